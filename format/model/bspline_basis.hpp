@@ -1,0 +1,40 @@
+// B-spline values and derivatives on one span: the rule that gives the numbers in the file their meaning.
+#pragma once
+
+#include "format/model/knot_vector.hpp"
+
+#include <span>
+#include <vector>
+
+namespace iga {
+
+/// Values at `u` of the p + 1 B-spline functions that do not vanish on one span.
+/// @param[in]  span    0-based span number; u may lie outside it (polynomial continuation)
+/// @param[out] values  (p + 1); entry a belongs to function `span + a`; the entries sum to 1
+/// Cox–de Boor recursion in triangular order: Piegl & Tiller, The NURBS Book (1997), algorithm A2.2.
+void evaluate_basis(const KnotVector& knots, std::int64_t span, double u, std::span<double> values);
+
+/// First derivatives d/du of the same functions (1/parameter).
+/// @param[out] derivatives  (p + 1); the entries sum to 0
+/// Piegl & Tiller (1997), equation 2.7.
+void evaluate_basis_derivatives(const KnotVector& knots, std::int64_t span, double u, std::span<double> derivatives);
+
+/// ∫ N over one span for its p + 1 functions; (p + 1) values in parameter units.
+void integrate_basis(const KnotVector& knots, std::int64_t span, std::span<double> integrals);
+
+/// A spline curve's coefficients on a knot vector of arbitrary multiplicities: the general form that refinement works on.
+struct SplineCurve {
+  int degree = 1;
+  std::vector<double> knots;         ///< (n + degree + 1), ascending
+  std::vector<double> coefficients;  ///< (n)
+};
+
+/// Value of the curve at u. @pre knots[degree] <= u <= knots[n]
+double evaluate(const SplineCurve& curve, double u);
+/// The same curve with `u` inserted once. Boehm (1980); Piegl & Tiller (1997), equation 5.15.
+SplineCurve insert_knot(const SplineCurve& curve, double u);
+/// The same curve with the degree raised by one; every knot's multiplicity grows by one. Works on any knot vector
+/// (through its Bézier segments).
+SplineCurve elevate_degree(const SplineCurve& curve);
+
+} // namespace iga

@@ -1,0 +1,1 @@
+#include "preprocessor/clip.hpp"

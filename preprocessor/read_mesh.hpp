@@ -1,0 +1,24 @@
+// Any supported surface file → triangles in double precision. STL (binary, ASCII), OBJ, PLY, OFF.
+#pragma once
+
+#include "format/model/triangle_mesh.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace iga::prep {
+
+struct ReadMesh {
+  TriangleMesh mesh;                    ///< as read (STL: three own vertices per facet); length, scaled
+  std::vector<Point3> facet_normals;    ///< (n_t) as stored in an STL, zero where missing or NaN; empty for other formats
+  std::string format;                   ///< "binary STL", "ASCII STL", "OBJ", "PLY", "OFF"
+  std::string sha256;                   ///< of the file's bytes
+  std::vector<std::string> notes;       ///< oddities that were tolerated, one sentence each
+};
+
+/// @param scale  factor on all coordinates, > 0
+/// @throws InputError for a missing, empty, truncated or foreign file and for NaN or infinite coordinates
+ReadMesh read_mesh(const std::filesystem::path& file, double scale = 1.0);
+
+} // namespace iga::prep
