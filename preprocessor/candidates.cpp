@@ -93,7 +93,7 @@ void LineCaster::cast(std::size_t axis, std::span<const double> bs, std::span<co
 }
 
 void LineCaster::append_candidates(std::size_t axis, std::span<const double> bs, std::span<const double> cs,
-                                   int points_per_line, std::vector<double>& points) {
+                                   int points_per_line, int min_points, std::vector<double>& points) {
   const std::size_t b_axis = axis == 0 ? 1 : 0, c_axis = axis == 2 ? 1 : 2;
   cast(axis, bs, cs);
   for (std::size_t j = 0; j < cs.size(); ++j)
@@ -104,7 +104,7 @@ void LineCaster::append_candidates(std::size_t axis, std::span<const double> bs,
       const auto fill = [&](double from, double to) {
         const double length = to - from;
         if (length < shortest_interval) return;
-        const int n = std::max(2, static_cast<int>(std::ceil(length * points_per_line - 1e-9)));
+        const int n = std::max(min_points, static_cast<int>(std::ceil(length * points_per_line - 1e-9)));
         for (double g : gauss_legendre(n).nodes) {
           x[axis] = from + length * g;
           points.insert(points.end(), x.begin(), x.end());

@@ -17,10 +17,11 @@ public:
   std::size_t main_axis() const;
 
   /// Shoots the lines (b_i, c_j) along `axis` (b, c: the other two axes, ascending) and appends points of Gauss rules on
-  /// every interval inside the solid: `points_per_line` on an interval as long as the box, fewer on shorter ones (>= 2).
+  /// every interval inside the solid: `points_per_line` on an interval as long as the box, fewer on shorter ones, but
+  /// at least `min_points`.
   /// @param[in,out] points  (n × 3), row-major, appended
   void append_candidates(std::size_t axis, std::span<const double> b, std::span<const double> c, int points_per_line,
-                         std::vector<double>& points);
+                         int min_points, std::vector<double>& points);
 
   /// Whether a point not on the surface lies in the solid.
   bool inside(const Point3& x);

@@ -28,58 +28,60 @@ private:
   std::array<Rule, size> rules_;
 };
 
-LineRule make_gauss_legendre(int n) {
-  LineRule rule{std::vector<double>(static_cast<std::size_t>(n)), std::vector<double>(static_cast<std::size_t>(n))};
+/// Rule in extended precision, nodes ascending.
+struct LongRule {
+  std::vector<long double> nodes, weights;
+};
+
+// Gauss rule on [-1, 1] for the weight (1 - x)^alpha, alpha = 0 or 1, from the recurrence of its orthonormal polynomials
+// β_{k+1} p_{k+1} = (x - α_k) p_k - β_k p_{k-1}; the weight of a node is 1 / Σ p_k².
+LongRule make_gauss(int n, int alpha) {
+  const auto diagonal = [&](int k) { return alpha == 0 ? 0.0L : -1.0L / ((2.0L * k + 1) * (2.0L * k + 3)); };
+  const auto off = [&](int k) {
+    return alpha == 0 ? k / std::sqrt(4.0L * k * k - 1) : std::sqrt(k * (k + 1.0L)) / (2.0L * k + 1);
+  };
+  Eigen::MatrixXd jacobi = Eigen::MatrixXd::Zero(n, n);
+  for (int k = 0; k < n; ++k) {
+    jacobi(k, k) = static_cast<double>(diagonal(k));
+    if (k > 0) jacobi(k, k - 1) = jacobi(k - 1, k) = static_cast<double>(off(k));
+  }
+  const Eigen::VectorXd guess = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(jacobi, Eigen::EigenvaluesOnly).eigenvalues();
+  const long double p_first = std::sqrt(0.5L);  // both weights have the mass 2
+  LongRule rule;
   for (int i = 0; i < n; ++i) {
-    double x = -std::cos((i + 0.75) / (n + 0.5) * 3.14159265358979323846), derivative = 1;
-    for (int step = 0; step < 100; ++step) {
-      double p0 = 1, p1 = x;
-      for (int a = 1; a < n; ++a) {
-        const double p2 = ((2 * a + 1) * x * p1 - a * p0) / (a + 1);
-        p0 = p1;
-        p1 = p2;
+    long double x = guess[i], squares = 0;
+    for (int step = 0; step < 4; ++step) {
+      long double p0 = 0, p1 = p_first, d0 = 0, d1 = 0;
+      squares = p1 * p1;
+      for (int k = 0; k < n; ++k) {
+        const long double b0 = k > 0 ? off(k) : 0, b1 = off(k + 1);
+        const long double p2 = ((x - diagonal(k)) * p1 - b0 * p0) / b1;
+        const long double d2 = (p1 + (x - diagonal(k)) * d1 - b0 * d0) / b1;
+        p0 = p1, p1 = p2, d0 = d1, d1 = d2;
+        if (k + 1 < n) squares += p1 * p1;
       }
-      derivative = n * (x * p1 - p0) / (x * x - 1);
-      const double dx = p1 / derivative;
-      x -= dx;
-      if (std::abs(dx) <= 1e-16) break;
+      x -= p1 / d1;
     }
-    rule.nodes[static_cast<std::size_t>(i)] = 0.5 * (1 + x);
-    rule.weights[static_cast<std::size_t>(i)] = 1 / ((1 - x * x) * derivative * derivative);
+    rule.nodes.push_back((1 + x) / 2);
+    rule.weights.push_back(1 / squares / (alpha == 0 ? 2 : 4));  // d(x) and (1 - x) both halve on [0, 1]
   }
   return rule;
 }
 
-LineRule make_gauss_jacobi(int n) {
-  // Monic recurrence of Jacobi(1, 0) on [-1, 1]: weight (1 - x), mass 2.
-  Eigen::VectorXd diagonal(n), off(std::max(n - 1, 0));
-  for (int k = 0; k < n; ++k) diagonal[k] = -1.0 / ((2.0 * k + 1) * (2.0 * k + 3));
-  for (int k = 1; k < n; ++k) off[k - 1] = std::sqrt(k * (k + 1.0)) / (2.0 * k + 1);
-  LineRule rule;
-  if (n == 1) {
-    rule.nodes = {0.5 * (1 + diagonal[0])};
-    rule.weights = {0.5};
-    return rule;
-  }
-  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
-  solver.computeFromTridiagonal(diagonal, off);
-  for (int i = 0; i < n; ++i) {
-    rule.nodes.push_back(0.5 * (1 + solver.eigenvalues()[i]));
-    rule.weights.push_back(0.5 * solver.eigenvectors()(0, i) * solver.eigenvectors()(0, i));
-  }
-  return rule;
+LineRule make_gauss_legendre(int n) {
+  const LongRule rule = make_gauss(n, 0);
+  return {{rule.nodes.begin(), rule.nodes.end()}, {rule.weights.begin(), rule.weights.end()}};
 }
 
-TriangleProductRule make_triangle_rule(int degree) {
+template <class T> TriangleProductRule<T> make_triangle_rule(int degree) {
   const int n = degree / 2 + 1;
-  const LineRule& a = gauss_jacobi(n);
-  const LineRule& b = gauss_legendre(n);
-  TriangleProductRule rule;
+  const LongRule a = make_gauss(n, 1), b = make_gauss(n, 0);
+  TriangleProductRule<T> rule;
   for (std::size_t i = 0; i < a.nodes.size(); ++i)
     for (std::size_t j = 0; j < b.nodes.size(); ++j) {
-      rule.s.push_back(a.nodes[i]);
-      rule.t.push_back((1 - a.nodes[i]) * b.nodes[j]);
-      rule.weights.push_back(2 * a.weights[i] * b.weights[j]);
+      rule.s.push_back(static_cast<T>(a.nodes[i]));
+      rule.t.push_back(static_cast<T>((1 - a.nodes[i]) * b.nodes[j]));
+      rule.weights.push_back(static_cast<T>(2 * a.weights[i] * b.weights[j]));
     }
   return rule;
 }
@@ -91,14 +93,12 @@ const LineRule& gauss_legendre(int n) {
   return cache.get(n, make_gauss_legendre);
 }
 
-const LineRule& gauss_jacobi(int n) {
-  static RuleCache<LineRule, max_points + 1> cache;
-  return cache.get(n, make_gauss_jacobi);
+template <class T> const TriangleProductRule<T>& triangle_product_rule(int degree) {
+  static RuleCache<TriangleProductRule<T>, 2 * max_points> cache;
+  return cache.get(degree, make_triangle_rule<T>);
 }
 
-const TriangleProductRule& triangle_product_rule(int degree) {
-  static RuleCache<TriangleProductRule, 2 * max_points> cache;
-  return cache.get(degree, make_triangle_rule);
-}
+template const TriangleProductRule<double>& triangle_product_rule<double>(int);
+template const TriangleProductRule<long double>& triangle_product_rule<long double>(int);
 
 } // namespace iga::prep

@@ -11,28 +11,25 @@ struct LineRule {
   std::vector<double> weights;  ///< (n)
 };
 
-/// Gauss–Legendre rule with n points on [0, 1]: exact to degree 2n - 1; weights sum to 1. The rule is computed once
-/// (Newton on the Legendre polynomial) and kept. @pre 1 <= n <= 64
+/// Gauss–Legendre rule with n points on [0, 1]: exact to degree 2n - 1; weights sum to 1. Computed once and kept.
+/// Eigenvalues of the Jacobi matrix (Golub & Welsch 1969), polished by Newton in extended precision. @pre 1 <= n <= 64
 const LineRule& gauss_legendre(int n);
 
-/// Gauss rule with n points for the weight (1 - s) on [0, 1]: exact to degree 2n - 1; weights sum to 1/2.
-/// Golub & Welsch (1969) with the Jacobi(1, 0) recurrence. @pre 1 <= n <= 64
-const LineRule& gauss_jacobi(int n);
-
-/// Points and weights on the triangle with barycentric weights (1 - s - t, s, t): the collapsed product rule.
-struct TriangleProductRule {
-  std::vector<double> s, t;     ///< (n)
-  std::vector<double> weights;  ///< (n); sum to 1 (relative to the triangle's area)
+/// Points and weights on the triangle with barycentric weights (1 - s - t, s, t): the collapsed product of a
+/// Gauss–Legendre rule and a Gauss rule for the weight 1 - s.
+template <class T> struct TriangleProductRule {
+  std::vector<T> s, t;     ///< (n)
+  std::vector<T> weights;  ///< (n); sum to 1 (relative to the triangle's area)
 };
 
-/// Exact to total degree `degree` on any triangle. Stroud (1971), conical product.
-const TriangleProductRule& triangle_product_rule(int degree);
+/// Exact to total degree `degree` on any triangle. Stroud (1971), conical product. T: double or long double.
+template <class T> const TriangleProductRule<T>& triangle_product_rule(int degree);
 
 constexpr int max_moment_degree = 8;
 
 /// Legendre polynomials on [0, 1] (|P_a| <= 1, P_a(1) = 1) up to degree q; works on doubles and on vectors of them.
 template <class T> void legendre(const T& x, int q, T* P) {
-  P[0] = x - x + 1.0;
+  P[0] = T{} + 1.0;
   if (q == 0) return;
   const T t = 2.0 * x - 1.0;
   P[1] = t;

@@ -122,14 +122,14 @@ namespace {
 
 std::size_t other_axis(std::size_t axis) { return axis == 0 ? 1 : 0; }
 
-void shoot(LineCaster& caster, std::size_t axis, int num_lines, int points_per_line, int prism_axis,
+void shoot(LineCaster& caster, std::size_t axis, int num_lines, int points_per_line, int min_points, int prism_axis,
            std::vector<double>& points) {
   // Along a prism the lines stay in its middle plane.
   static const std::vector<double> middle{0.5};
   const std::size_t b = axis == 0 ? 1 : 0, c = axis == 2 ? 1 : 2;
   const std::vector<double>& lattice = gauss_legendre(std::min(num_lines, 64)).nodes;
   caster.append_candidates(axis, static_cast<int>(b) == prism_axis ? middle : lattice,
-                           static_cast<int>(c) == prism_axis ? middle : lattice, points_per_line, points);
+                           static_cast<int>(c) == prism_axis ? middle : lattice, points_per_line, min_points, points);
 }
 
 } // namespace
@@ -143,7 +143,7 @@ void MomentFitter::shoot_first(int prism_axis, std::size_t num_moments) {
   if (static_cast<int>(axis) == prism_axis) axis = other_axis(axis);
   for (int n = plane ? 2 * q + 3 : q + 2; n <= 8 * (q + 2); n += n / 2) {
     new_points_.clear();
-    shoot(caster_, axis, n, q + 2, prism_axis, new_points_);
+    shoot(caster_, axis, n, q + 2, 2, prism_axis, new_points_);
     if (new_points_.size() >= 3 * 2 * num_moments) break;
   }
 }
@@ -155,7 +155,7 @@ void MomentFitter::shoot_more(int level, int prism_axis) {
   for (int d = 0; d < 3; ++d)
     if (d != prism_axis)
       shoot(caster_, static_cast<std::size_t>(d), (prism_axis >= 0 ? 4 : 1) * (q + 1) + (q + 1) * level + d, q + 2 + level,
-            prism_axis, new_points_);
+            2 + level, prism_axis, new_points_);
 }
 
 // Values of the tensor Legendre basis at points: one column of m entries a point.

@@ -18,29 +18,48 @@ enum class AxisFactor {
   ZeroAtUpper    ///< F_a = G_a(x) - G_a(1): the upper face adds nothing (differs from the former in a = 0 only)
 };
 
-/// Quadrature points on the surface, fed eight at a time to a tensor accumulator:
+/// Eight points at a time in double precision, or one at a time in extended precision.
+template <class Batch> struct BatchTraits;
+template <> struct BatchTraits<Lanes> {
+  using Scalar = double;
+  static constexpr std::size_t size = lanes;
+  static void set(Lanes& batch, std::size_t lane, double x) { batch[lane] = x; }
+  static double total(const Lanes& batch) { return sum(batch); }
+};
+template <> struct BatchTraits<long double> {
+  using Scalar = long double;
+  static constexpr std::size_t size = 1;
+  static void set(long double& batch, std::size_t, long double x) { batch = x; }
+  static double total(long double batch) { return static_cast<double>(batch); }
+};
+
+/// Quadrature points on the surface, fed in batches to a tensor accumulator:
 /// T[a + (q_a + 1) (b + (q_b + 1) c)] += w · F_a(x_axis) P_b(x_b) P_c(x_c) n_axis; b and c are the other axes, ascending.
-class SurfaceIntegrator {
+template <class Batch> class SurfaceIntegrator {
+  using Traits = BatchTraits<Batch>;
+  using Scalar = typename Traits::Scalar;
+
 public:
   SurfaceIntegrator(std::size_t axis, const std::array<int, 3>& degree, AxisFactor factor)
       : axis_(axis), b_(axis == 0 ? 1 : 0), c_(axis == 2 ? 1 : 2), factor_(factor),
         qa_(factor == AxisFactor::One ? 0 : degree[axis]), qb_(degree[b_]), qc_(degree[c_]),
-        rule_(triangle_product_rule((factor == AxisFactor::One ? 0 : degree[axis] + 1) + degree[b_] + degree[c_])),
+        rule_(triangle_product_rule<Scalar>((factor == AxisFactor::One ? 0 : degree[axis] + 1) + degree[b_] + degree[c_])),
         sums_(static_cast<std::size_t>((qa_ + 1) * (qb_ + 1) * (qc_ + 1))) {}
 
   void add_triangle(const Point3& p, const Point3& q, const Point3& r) {
-    const double qb = q[b_] - p[b_], qc = q[c_] - p[c_], rb = r[b_] - p[b_], rc = r[c_] - p[c_];
+    const Scalar pa = p[axis_], pb = p[b_], pc = p[c_];
+    const Scalar qb = q[b_] - pb, qc = q[c_] - pc, rb = r[b_] - pb, rc = r[c_] - pc;
     // Projected area along the axis; the pair (b, c) is cyclic for axes 0 and 2 and anticyclic for axis 1.
-    const double area = (axis_ == 1 ? -0.5 : 0.5) * (qb * rc - qc * rb);
+    const Scalar area = (axis_ == 1 ? Scalar(-0.5) : Scalar(0.5)) * (qb * rc - qc * rb);
     if (area == 0) return;
-    const double qa = q[axis_] - p[axis_], ra = r[axis_] - p[axis_];
+    const Scalar qa = q[axis_] - pa, ra = r[axis_] - pa;
     for (std::size_t k = 0; k < rule_.weights.size(); ++k) {
-      const double s = rule_.s[k], t = rule_.t[k];
-      x_[filled_] = p[axis_] + s * qa + t * ra;
-      y_[filled_] = p[b_] + s * qb + t * rb;
-      z_[filled_] = p[c_] + s * qc + t * rc;
-      w_[filled_] = area * rule_.weights[k];
-      if (++filled_ == lanes) flush();
+      const Scalar s = rule_.s[k], t = rule_.t[k];
+      Traits::set(x_, filled_, pa + s * qa + t * ra);
+      Traits::set(y_, filled_, pb + s * qb + t * rb);
+      Traits::set(z_, filled_, pc + s * qc + t * rc);
+      Traits::set(w_, filled_, area * rule_.weights[k]);
+      if (++filled_ == Traits::size) flush();
     }
   }
 
@@ -49,11 +68,13 @@ public:
   }
 
   /// Sum of entry (a, b, c).
-  double value(int a, int b, int c) { return sum(sums_[static_cast<std::size_t>(a + (qa_ + 1) * (b + (qb_ + 1) * c))]); }
+  double value(int a, int b, int c) {
+    return Traits::total(sums_[static_cast<std::size_t>(a + (qa_ + 1) * (b + (qb_ + 1) * c))]);
+  }
 
   void finish() {
     if (filled_ == 0) return;
-    for (std::size_t k = filled_; k < lanes; ++k) w_[k] = 0;
+    for (std::size_t k = filled_; k < Traits::size; ++k) Traits::set(w_, k, 0);
     flush();
   }
 
@@ -71,19 +92,19 @@ private:
   // Degrees known at compile time keep the polynomials and, at low degree, the sums in registers; -1 takes them at run time.
   template <int QA, int QB, int QC> void accumulate() {
     const int qa = QA < 0 ? qa_ : QA, qb = QB < 0 ? qb_ : QB, qc = QC < 0 ? qc_ : QC;
-    Lanes F[max_moment_degree + 1], B[max_moment_degree + 1], C[max_moment_degree + 1];
+    Batch F[max_moment_degree + 1], B[max_moment_degree + 1], C[max_moment_degree + 1];
     if (factor_ == AxisFactor::One)
-      F[0] = broadcast(1);
+      F[0] = Batch{} + 1.0;
     else
       legendre_integrals(x_, qa, F);
     if (factor_ == AxisFactor::ZeroAtUpper) F[0] -= 1.0;
     legendre(y_, qb, B);
     legendre(z_, qc, C);
-    Lanes* out = sums_.data();
+    Batch* out = sums_.data();
     for (int c = 0; c <= qc; ++c) {
-      const Lanes wc = w_ * C[c];
+      const Batch wc = w_ * C[c];
       for (int b = 0; b <= qb; ++b) {
-        const Lanes wbc = wc * B[b];
+        const Batch wbc = wc * B[b];
         for (int a = 0; a <= qa; ++a) *out++ += wbc * F[a];
       }
     }
@@ -92,11 +113,15 @@ private:
   std::size_t axis_, b_, c_;
   AxisFactor factor_;
   int qa_, qb_, qc_;
-  const TriangleProductRule& rule_;
-  std::vector<Lanes> sums_;
-  Lanes x_{}, y_{}, z_{}, w_{};
+  const TriangleProductRule<Scalar>& rule_;
+  std::vector<Batch> sums_;
+  Batch x_{}, y_{}, z_{}, w_{};
   std::size_t filled_ = 0;
 };
+
+// Below this share of its box a part is so thin (opposite sheets nearly cancel) that its moments are summed in extended
+// precision; the pieces of the two sheets are closed to the last bit, so nothing else spoils them.
+constexpr double thin_part = 1e-2;
 
 bool all_crossed(const std::uint8_t* faces) {
   return std::all_of(faces, faces + 6, [](std::uint8_t f) { return f == static_cast<std::uint8_t>(FaceState::Crossed); });
@@ -178,12 +203,9 @@ FarMoments::FarMoments(const SplineGrid& grid, const Trimming& trimming, const s
     spans_.push_back(t);
   }
   values_.resize(spans_.size() * stride_);
-  tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t r) {
-    const std::size_t slot_end = r + 1 < rows.size() ? rows[r + 1].first_slot : spans_.size();
-    std::size_t slot = slot_end;
-    SurfaceIntegrator integrator(0, degree, AxisFactor::One);
-    for (std::size_t t = rows[r].last_touched; t-- > rows[r].first_needed;) {
-      if (slot > rows[r].first_slot && spans_[slot - 1] == t) {
+  const auto sum_row = [&](auto integrator, const Row& row, std::size_t slot) {
+    for (std::size_t t = row.last_touched; t-- > row.first_needed;) {
+      if (slot > row.first_slot && spans_[slot - 1] == t) {
         --slot;
         integrator.finish();
         double* out = &values_[slot * stride_];
@@ -199,6 +221,16 @@ FarMoments::FarMoments(const SplineGrid& grid, const Trimming& trimming, const s
         integrator.add_polygon(std::span<const Point3>(v.data(), polygon.size()));
       }
     }
+  };
+  tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t r) {
+    const std::size_t slot_end = r + 1 < rows.size() ? rows[r + 1].first_slot : spans_.size();
+    double smallest = 1;
+    for (std::size_t slot = rows[r].first_slot; slot < slot_end; ++slot)
+      smallest = std::min(smallest, trimming.touched_fraction[spans_[slot]]);
+    if (smallest < thin_part)
+      sum_row(SurfaceIntegrator<long double>(0, degree, AxisFactor::One), rows[r], slot_end);
+    else
+      sum_row(SurfaceIntegrator<Lanes>(0, degree, AxisFactor::One), rows[r], slot_end);
   });
 }
 
@@ -211,17 +243,23 @@ const double* FarMoments::find(std::size_t touched) const {
 void span_moments(const LocalSurface& surface, const double* far, const std::array<int, 3>& degree, double* moments) {
   const Anchor anchor = choose_anchor(surface.faces);
   const std::size_t b_axis = anchor.axis == 0 ? 1 : 0, c_axis = anchor.axis == 2 ? 1 : 2;
+  const std::array<std::size_t, 3> stride{1, static_cast<std::size_t>(degree[0] + 1),
+                                          static_cast<std::size_t>((degree[0] + 1) * (degree[1] + 1))};
+  const auto integrate = [&](auto integrator) {
+    for (std::size_t q = 0; q < surface.num_polygons(); ++q) integrator.add_polygon(surface.polygon(q));
+    integrator.finish();
+    for (int c = 0; c <= degree[c_axis]; ++c)
+      for (int b = 0; b <= degree[b_axis]; ++b)
+        for (int a = 0; a <= degree[anchor.axis]; ++a)
+          moments[static_cast<std::size_t>(a) * stride[anchor.axis] + static_cast<std::size_t>(b) * stride[b_axis] +
+                  static_cast<std::size_t>(c) * stride[c_axis]] = integrator.value(a, b, c);
+  };
   // The far side of the box is the span's own face wherever the solid reaches it: its term vanishes by the choice of F.
-  SurfaceIntegrator integrator(anchor.axis, degree, anchor.upper ? AxisFactor::ZeroAtLower : AxisFactor::ZeroAtUpper);
-  for (std::size_t q = 0; q < surface.num_polygons(); ++q) integrator.add_polygon(surface.polygon(q));
-  integrator.finish();
-  std::array<std::size_t, 3> stride{1, static_cast<std::size_t>(degree[0] + 1),
-                                    static_cast<std::size_t>((degree[0] + 1) * (degree[1] + 1))};
-  for (int c = 0; c <= degree[c_axis]; ++c)
-    for (int b = 0; b <= degree[b_axis]; ++b)
-      for (int a = 0; a <= degree[anchor.axis]; ++a)
-        moments[static_cast<std::size_t>(a) * stride[anchor.axis] + static_cast<std::size_t>(b) * stride[b_axis] +
-                static_cast<std::size_t>(c) * stride[c_axis]] = integrator.value(a, b, c);
+  const AxisFactor factor = anchor.upper ? AxisFactor::ZeroAtLower : AxisFactor::ZeroAtUpper;
+  if (surface.fraction < thin_part * surface.box_volume())
+    integrate(SurfaceIntegrator<long double>(anchor.axis, degree, factor));
+  else
+    integrate(SurfaceIntegrator<Lanes>(anchor.axis, degree, factor));
   if (anchor.state == FaceState::Full) moments[0] += 1;
   if (anchor.state == FaceState::Crossed)
     for (int c = 0; c <= degree[2]; ++c)
