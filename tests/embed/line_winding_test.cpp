@@ -134,12 +134,12 @@ TEST(LineWindingParts, FindsSoundPartsSoundAndFlawedOnesFlawed) {
   for (const char* name : {"elephant.stl", "busted.STL", "plate_rot_t0.005.stl", "cube_theta0_aligned.stl", "X_Carriage_x1.stl",
                            "torus.STL", "unit_sphere.STL"}) {
     SCOPED_TRACE(name);
-    const TriangleMesh mesh = read_binary_stl(shared_part(std::string("valid/") + name));
+    const TriangleMesh mesh = read_stl(shared_part(std::string("valid/") + name));
     expect_clean(judge(grid_with(mesh, 15, 2), mesh));
   }
   for (const char* name : {"cubes_overlap.stl", "box.STL", "cube_one_tri_missing.stl"}) {
     SCOPED_TRACE(name);
-    const TriangleMesh mesh = read_binary_stl(shared_part(std::string("flawed/") + name));
+    const TriangleMesh mesh = read_stl(shared_part(std::string("flawed/") + name));
     EXPECT_GT(judge(grid_with(mesh, 15, 2), mesh).bad_lines, 0);
   }
 }

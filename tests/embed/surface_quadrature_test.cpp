@@ -198,7 +198,7 @@ TEST(SurfaceQuadratureParts, HoldsForSharedParts) {
   for (const char* name : {"elephant.stl", "busted.STL", "plate_rot_t0.005.stl", "cube_theta0_aligned.stl", "7_8ths_cube.stl",
                            "large_block_obb.STL", "Spool_Holder_x1.STL"}) {
     SCOPED_TRACE(name);
-    const TriangleMesh mesh = read_binary_stl(shared_part(std::string("valid/") + name));
+    const TriangleMesh mesh = read_stl(shared_part(std::string("valid/") + name));
     const SplineGrid grid = grid_with(mesh, 15, 2);
     const Trimming trimming = trim(grid, mesh, {});
     const EmbeddedSurface s = make_embedded_surface(grid, mesh, trimming);

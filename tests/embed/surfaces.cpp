@@ -6,6 +6,7 @@
 #include <fstream>
 #include <map>
 #include <numbers>
+#include <sstream>
 
 namespace iga::test {
 
@@ -128,24 +129,42 @@ SplineGrid grid_with(const TriangleMesh& mesh, int count, int degree) {
   return grid_around(mesh, side / count, degree);
 }
 
-TriangleMesh read_binary_stl(const std::filesystem::path& file, double weld) {
+namespace {
+
+std::vector<Point3> read_corners(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   const std::string bytes((std::istreambuf_iterator<char>(in)), {});
-  TriangleMesh m;
-  std::uint32_t count = 0;
-  if (bytes.size() < 84) return m;
-  std::memcpy(&count, bytes.data() + 80, 4);
   std::vector<Point3> corners;
-  for (std::size_t t = 0; t < count && 84 + 50 * (t + 1) <= bytes.size(); ++t)
+  std::uint32_t count = 0;
+  if (bytes.size() >= 84) std::memcpy(&count, bytes.data() + 80, 4);
+  if (bytes.size() != 84 + 50 * std::size_t{count}) {  // ASCII
+    std::istringstream words(bytes);
+    for (std::string word; words >> word;)
+      if (Point3 p; word == "vertex" && words >> p[0] >> p[1] >> p[2]) corners.push_back(p);
+    return corners;
+  }
+  for (std::size_t t = 0; t < count; ++t)
     for (std::size_t a = 0; a < 3; ++a) {
       std::array<float, 3> p;
       std::memcpy(p.data(), bytes.data() + 84 + 50 * t + 12 + 12 * a, 12);
       corners.push_back({p[0], p[1], p[2]});
     }
-  m.vertices = corners;
-  const Box3 b = bounding_box(m);
-  const double size = std::hypot(b.upper[0] - b.lower[0], b.upper[1] - b.lower[1], b.upper[2] - b.lower[2]);
-  m.vertices.clear();
+  return corners;
+}
+
+} // namespace
+
+TriangleMesh read_stl(const std::filesystem::path& file, double weld) {
+  TriangleMesh m;
+  const std::vector<Point3> corners = read_corners(file);
+  if (corners.empty()) return m;
+  Point3 lower = corners[0], upper = corners[0];
+  for (const Point3& p : corners)
+    for (std::size_t d = 0; d < 3; ++d) {
+      lower[d] = std::min(lower[d], p[d]);
+      upper[d] = std::max(upper[d], p[d]);
+    }
+  const double size = std::hypot(upper[0] - lower[0], upper[1] - lower[1], upper[2] - lower[2]);
   std::map<Point3, std::int32_t> number;
   std::map<Index3, std::int32_t> cells;
   for (std::size_t c = 0; c < corners.size(); ++c) {
@@ -155,7 +174,7 @@ TriangleMesh read_binary_stl(const std::filesystem::path& file, double weld) {
     } else {
       const double w = weld * size;
       Index3 home;
-      for (std::size_t d = 0; d < 3; ++d) home[d] = static_cast<std::int64_t>(std::floor((corners[c][d] - b.lower[d]) / w));
+      for (std::size_t d = 0; d < 3; ++d) home[d] = static_cast<std::int64_t>(std::floor((corners[c][d] - lower[d]) / w));
       for (std::int64_t q = 0; q < 27 && v < 0; ++q) {
         const auto it = cells.find({home[0] + q % 3 - 1, home[1] + q / 3 % 3 - 1, home[2] + q / 9 - 1});
         if (it == cells.end()) continue;

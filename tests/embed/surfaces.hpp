@@ -28,8 +28,8 @@ SplineGrid grid_around(const TriangleMesh& mesh, double size, int degree, double
 /// Grid with about `count` spans along the longest side.
 SplineGrid grid_with(const TriangleMesh& mesh, int count, int degree);
 
-/// Binary STL with vertices welded where they lie closer than `weld` of the diagonal.
-TriangleMesh read_binary_stl(const std::filesystem::path& file, double weld = 0);
+/// Well-formed STL with vertices welded where they lie closer than `weld` of the diagonal (0: where they are equal).
+TriangleMesh read_stl(const std::filesystem::path& file, double weld = 0);
 /// Path of a shared test part; empty where the folder is absent.
 std::filesystem::path shared_part(const std::string& name);
 
