@@ -2,7 +2,6 @@
 // neighbours the surface passes. Packed bits, so that memory stays small beside the surface pieces.
 #pragma once
 
-#include "preprocessor/clip.hpp"
 #include "preprocessor/line_lattice.hpp"
 
 #include <cstdint>
@@ -16,6 +15,7 @@ class LatticeNodes {
 public:
   LatticeNodes(std::int64_t num_touched, LineLattice lattice);
 
+  const LineLattice& lattice() const { return lattice_; }
   std::int64_t per_span() const { return n_; }
   std::int64_t nodes_per_span() const { return n_ * n_ * n_; }
   std::int64_t node(const Index3& m) const { return m[0] + n_ * (m[1] + n_ * m[2]); }
@@ -35,23 +35,10 @@ private:
   bool get(std::size_t t, std::int64_t bit) const { return (words_[word(t, bit)] >> (bit % 64)) & 1; }
   void set(std::size_t t, std::int64_t bit) { words_[word(t, bit)] |= std::uint64_t{1} << (bit % 64); }
 
+  LineLattice lattice_;
   std::int64_t n_;
   std::size_t stride_;
   std::vector<std::uint64_t> words_;
 };
-
-/// Functions whose support holds material that is not connected inside that support: two bodies, or two walls across a
-/// gap, which share the function and act as glued together.
-struct GluedFunctions {
-  std::int64_t count = 0;
-  std::int64_t first = -1;  ///< linear number of the first of them
-};
-
-/// Joins neighbouring nodes in the solid where the surface does not pass between them. A support counts where two of its
-/// connected sets each fill at least a quarter of a span: smaller ones may be tips of an edge or specks of a wall thinner
-/// than the lattice spacing, which the lattice cannot follow.
-/// @param state  (num_spans) of the trimming; decides the spans without surface
-GluedFunctions find_glued_functions(const SplineGrid& grid, const SurfacePieces& pieces,
-                                    const std::vector<std::uint8_t>& state, const LatticeNodes& nodes);
 
 } // namespace iga::prep

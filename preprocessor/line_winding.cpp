@@ -1,5 +1,6 @@
 #include "preprocessor/line_winding.hpp"
 
+#include "preprocessor/glued_functions.hpp"
 #include "preprocessor/lattice_nodes.hpp"
 #include "preprocessor/line_lattice.hpp"
 
