@@ -66,7 +66,7 @@ public:
     for (std::int64_t c = low_[2]; c <= high_[2]; ++c)
       for (std::int64_t b = low_[1]; b <= high_[1]; ++b) {
         const auto row = static_cast<std::size_t>(b + n[1] * c);
-        cursor_.push_back({row_first_[row], row_first_[row + 1]});
+        cursor_.push_back({row_first_[row], row_first_[row + 1], grid_.span_number({0, b, c})});
       }
     GluedFunctions out;
     for (std::int64_t i = 0; i < n[0] + p[0];) {
@@ -89,16 +89,17 @@ public:
 private:
   struct Cursor {
     std::int64_t first, last;  // touched spans of the row that may still matter
+    std::int64_t row_start;    // linear number of the row's first span
   };
 
-  std::int64_t span_u(std::int64_t t) const { return pieces_.spans[static_cast<std::size_t>(t)] % grid_.spans()[0]; }
+  std::int64_t span(std::int64_t t) const { return pieces_.spans[static_cast<std::size_t>(t)]; }
 
   // Smallest u index >= low_[0] of a touched span in the support's rows, -1 where there is none.
   std::int64_t next_touched() {
     std::int64_t next = -1;
     for (Cursor& c : cursor_) {
-      while (c.first < c.last && span_u(c.first) < low_[0]) ++c.first;
-      if (c.first < c.last && (next < 0 || span_u(c.first) < next)) next = span_u(c.first);
+      while (c.first < c.last && span(c.first) < c.row_start + low_[0]) ++c.first;
+      if (c.first < c.last && (next < 0 || span(c.first) - c.row_start < next)) next = span(c.first) - c.row_start;
     }
     return next;
   }
@@ -114,25 +115,23 @@ private:
     sets_.clear();
     base_.clear();
     touched_.clear();
-    std::size_t row = 0;
-    for (std::int64_t c = low_[2]; c <= high_[2]; ++c)
-      for (std::int64_t b = low_[1]; b <= high_[1]; ++b, ++row) {
-        std::int64_t t = cursor_[row].first;
-        for (std::int64_t a = low_[0]; a <= high_[0]; ++a) {
-          base_.push_back(static_cast<std::int32_t>(sets_.parent.size()));
-          if (t < cursor_[row].last && span_u(t) == a) {
-            const auto s = static_cast<std::size_t>(t++);
-            for (auto q = graph_.first_set[s]; q < graph_.first_set[s + 1]; ++q)
-              sets_.add(graph_.set_size[static_cast<std::size_t>(q)]);
-            touched_.push_back(static_cast<std::int64_t>(s));
-          } else {
-            const bool interior = state_[static_cast<std::size_t>(grid_.span_number({a, b, c}))] ==
-                                  static_cast<std::uint8_t>(SpanState::Interior);
-            if (interior) sets_.add(volume_);
-            touched_.push_back(interior ? -1 : -2);
-          }
+    for (const Cursor& row : cursor_) {
+      std::int64_t t = row.first;
+      for (std::int64_t number = row.row_start + low_[0]; number <= row.row_start + high_[0]; ++number) {
+        base_.push_back(static_cast<std::int32_t>(sets_.parent.size()));
+        if (t < row.last && span(t) == number) {
+          const auto s = static_cast<std::size_t>(t++);
+          for (auto q = graph_.first_set[s]; q < graph_.first_set[s + 1]; ++q)
+            sets_.add(graph_.set_size[static_cast<std::size_t>(q)]);
+          touched_.push_back(static_cast<std::int64_t>(s));
+        } else {
+          const bool interior =
+              state_[static_cast<std::size_t>(number)] == static_cast<std::uint8_t>(SpanState::Interior);
+          if (interior) sets_.add(volume_);
+          touched_.push_back(interior ? -1 : -2);
         }
       }
+    }
   }
 
   void join_links() {

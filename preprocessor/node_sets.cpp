@@ -5,20 +5,25 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cassert>
 
 namespace iga::prep {
 
 namespace {
 
-constexpr std::uint8_t no_set = 255;  // at most n³ / 2 = 108 sets: isolated nodes of a chessboard at degree 4
+constexpr std::size_t max_nodes = (max_degree + 2) * (max_degree + 2) * (max_degree + 2);  // of a span
+constexpr std::uint8_t no_set = 255;  // more than the sets of a span: at most half of its nodes, a chessboard
+static_assert(max_nodes / 2 < no_set);
 constexpr std::size_t spans_per_block = 1024;
 
 // Labels the connected sets of one span by flood filling; appends their sizes.
 void label_span(const LatticeNodes& nodes, std::size_t t, std::uint8_t* labels, std::vector<std::int32_t>& sizes) {
   const std::int64_t n = nodes.per_span();
+  assert(static_cast<std::size_t>(nodes.nodes_per_span()) <= max_nodes);
   std::fill(labels, labels + nodes.nodes_per_span(), no_set);
   std::uint8_t next = 0;
-  std::vector<Index3> stack;
+  std::array<Index3, max_nodes> stack;  // a node is pushed once
+  std::size_t pending = 0;
   Index3 seed;
   for (seed[2] = 0; seed[2] < n; ++seed[2])
     for (seed[1] = 0; seed[1] < n; ++seed[1])
@@ -26,10 +31,9 @@ void label_span(const LatticeNodes& nodes, std::size_t t, std::uint8_t* labels, 
         if (labels[nodes.node(seed)] != no_set || !nodes.inside(t, nodes.node(seed))) continue;
         std::int32_t size = 0;
         labels[nodes.node(seed)] = next;
-        stack.push_back(seed);
-        while (!stack.empty()) {
-          const Index3 m = stack.back();
-          stack.pop_back();
+        stack[pending++] = seed;
+        while (pending > 0) {
+          const Index3 m = stack[--pending];
           ++size;
           for (std::size_t d = 0; d < 3; ++d)
             for (const std::int64_t step : {-1, 1}) {
@@ -40,7 +44,7 @@ void label_span(const LatticeNodes& nodes, std::size_t t, std::uint8_t* labels, 
               const std::int64_t node = nodes.node(to);
               if (labels[node] != no_set || !nodes.inside(t, node) || nodes.blocked(t, d, segment)) continue;
               labels[node] = next;
-              stack.push_back(to);
+              stack[pending++] = to;
             }
         }
         sizes.push_back(size);
@@ -78,6 +82,7 @@ public:
     known_[13] = static_cast<std::int64_t>(t);
   }
   const Index3& index() const { return ijk_; }
+  std::int64_t own() const { return known_[13]; }
   /// Touched number of a neighbour, or what it is without surface; outside the grid: exterior.
   std::int64_t at(const std::array<std::int8_t, 3>& step) {
     auto& known = known_[static_cast<std::size_t>(13 + step[0] + 3 * step[1] + 9 * step[2])];
@@ -165,6 +170,11 @@ private:
   Place place(Neighbourhood& around, Index3 m) const {
     const std::int64_t n = nodes_.per_span();
     Place p;
+    if (std::min({m[0], m[1], m[2]}) >= 0 && std::max({m[0], m[1], m[2]}) < n) {
+      p.touched = around.own();
+      p.set = label(static_cast<std::size_t>(p.touched), m);
+      return p;
+    }
     for (std::size_t d = 0; d < 3; ++d) {
       p.step[d] = static_cast<std::int8_t>(m[d] < 0 ? -1 : m[d] >= n ? 1 : 0);
       m[d] -= p.step[d] * n;
