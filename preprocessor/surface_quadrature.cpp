@@ -3,6 +3,7 @@
 #include "preprocessor/surface_quadrature.hpp"
 
 #include "format/model/errors.hpp"
+#include "preprocessor/gauss_rule.hpp"
 #include "preprocessor/span_owner.hpp"
 #include "preprocessor/triangle_rule.hpp"
 
@@ -57,16 +58,78 @@ Facet make_facet(const SplineGrid& grid, const TriangleMesh& mesh, std::int32_t 
   return f;
 }
 
-/// Calls use(a, b, c, area) for the triangles of a piece's fan that have area; corners in span units.
+/// Rules for the parts that a piece is cut into, all exact to the same total degree.
+struct PieceRules {
+  std::span<const TrianglePoint> triangle;
+  const LineRule* line;  ///< both ways over a quadrilateral: the bilinear map's Jacobian adds one degree
+
+  explicit PieceRules(int degree) : triangle(triangle_rule(degree)), line(&gauss_legendre((degree + 3) / 2)) {}
+};
+
+/// A piece seen from its first vertex: areas of the fan's triangles (length²).
+class PieceAreas {
+public:
+  PieceAreas(std::span<const Point3> polygon, const Facet& facet, const Point3& h)
+      : polygon_(polygon), facet_(facet), h_(h) {}
+
+  double triangle(std::size_t a, std::size_t b, std::size_t c) const {
+    return 0.5 * dot(cross(edge(a, b), edge(a, c)), facet_.grid_normal);
+  }
+  bool counts(double area) const { return area > negligible_share * facet_.area; }
+
+private:
+  Point3 edge(std::size_t from, std::size_t to) const {
+    const Point3 e = minus(polygon_[to], polygon_[from]);
+    return {h_[0] * e[0], h_[1] * e[1], h_[2] * e[2]};
+  }
+  std::span<const Point3> polygon_;
+  const Facet& facet_;
+  const Point3& h_;
+};
+
+Point3 combine(std::span<const Point3> polygon, const std::array<std::size_t, 4>& corner,
+               const std::array<double, 4>& l) {
+  Point3 xi{};
+  for (std::size_t c = 0; c < 4; ++c)
+    for (std::size_t d = 0; d < 3; ++d) xi[d] += l[c] * polygon[corner[c]][d];
+  return xi;
+}
+
+// Bilinear map of the unit square. Its Jacobian is linear, so it follows from the corners' values: twice the area of the
+// triangle at each corner.
 template <class Use>
-void for_each_fan_triangle(std::span<const Point3> polygon, const Facet& facet, const Point3& h, Use&& use) {
-  const auto scaled_edge = [&](std::size_t a) {
-    const Point3 e = minus(polygon[a], polygon[0]);
-    return Point3{h[0] * e[0], h[1] * e[1], h[2] * e[2]};
-  };
+void for_each_quadrilateral_point(std::span<const Point3> polygon, const PieceAreas& areas,
+                                  const std::array<std::size_t, 4>& corner, const LineRule& rule, Use&& use) {
+  std::array<double, 4> jacobian;
+  for (std::size_t c = 0; c < 4; ++c)
+    jacobian[c] = 2 * std::max(areas.triangle(corner[(c + 3) % 4], corner[c], corner[(c + 1) % 4]), 0.0);
+  for (std::size_t i = 0; i < rule.nodes.size(); ++i)
+    for (std::size_t j = 0; j < rule.nodes.size(); ++j) {
+      const double s = rule.nodes[i], t = rule.nodes[j];
+      const std::array<double, 4> l{(1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t};
+      const double J = l[0] * jacobian[0] + l[1] * jacobian[1] + l[2] * jacobian[2] + l[3] * jacobian[3];
+      use(combine(polygon, corner, l), J * rule.weights[i] * rule.weights[j]);
+    }
+}
+
+/// Calls use(xi, weight) for the points of a piece: its fan taken two triangles at a time (a quadrilateral needs fewer
+/// points than two triangles), a single one where the number is odd or a neighbour has no area.
+template <class Use>
+void for_each_point(std::span<const Point3> polygon, const Facet& facet, const Point3& h, const PieceRules& rules,
+                    Use&& use) {
+  const PieceAreas areas(polygon, facet, h);
   for (std::size_t a = 1; a + 1 < polygon.size(); ++a) {
-    const double area = 0.5 * dot(cross(scaled_edge(a), scaled_edge(a + 1)), facet.grid_normal);
-    if (area > negligible_share * facet.area) use(polygon[0], polygon[a], polygon[a + 1], area);
+    const double area = areas.triangle(0, a, a + 1);
+    if (!areas.counts(area)) continue;
+    if (a + 2 < polygon.size() && areas.counts(areas.triangle(0, a + 1, a + 2))) {
+      for_each_quadrilateral_point(polygon, areas, {0, a, a + 1, a + 2}, *rules.line, use);
+      ++a;
+      continue;
+    }
+    for (const TrianglePoint& q : rules.triangle) {
+      const auto& l = q.barycentric;
+      use(combine(polygon, {0, a, a + 1, 0}, {l[0], l[1], l[2], 0}), area * q.weight);
+    }
   }
 }
 
@@ -86,22 +149,16 @@ Point3 mean(std::span<const Point3> polygon) {
   return c;
 }
 
-void fill_piece(const SpanOwner& owner, std::int64_t span, std::span<const TrianglePoint> rule, const Facet& facet,
-                const Point3& h, std::span<const Point3> polygon, std::int32_t triangle, std::int64_t first,
-                SurfacePoints& out) {
+void fill_piece(const SpanOwner& owner, std::int64_t span, const PieceRules& rules, const Facet& facet, const Point3& h,
+                std::span<const Point3> polygon, std::int32_t triangle, std::int64_t first, SurfacePoints& out) {
   auto q = static_cast<std::size_t>(first);
-  for_each_fan_triangle(polygon, facet, h, [&](const Point3& a, const Point3& b, const Point3& c, double area) {
-    for (const TrianglePoint& point : rule) {
-      const auto& l = point.barycentric;
-      Point3 xi;
-      for (std::size_t d = 0; d < 3; ++d) xi[d] = l[0] * a[d] + l[1] * b[d] + l[2] * c[d];
-      const Point3 u = owner.parameters_in(span, xi);
-      std::copy(u.begin(), u.end(), out.parameters.begin() + static_cast<std::ptrdiff_t>(3 * q));
-      std::copy(facet.normal.begin(), facet.normal.end(), out.normals.begin() + static_cast<std::ptrdiff_t>(3 * q));
-      out.weights[q] = area * point.weight;
-      out.triangle[q] = triangle;
-      ++q;
-    }
+  for_each_point(polygon, facet, h, rules, [&](const Point3& xi, double weight) {
+    const Point3 u = owner.parameters_in(span, xi);
+    std::copy(u.begin(), u.end(), out.parameters.begin() + static_cast<std::ptrdiff_t>(3 * q));
+    std::copy(facet.normal.begin(), facet.normal.end(), out.normals.begin() + static_cast<std::ptrdiff_t>(3 * q));
+    out.weights[q] = weight;
+    out.triangle[q] = triangle;
+    ++q;
   });
 }
 
@@ -109,7 +166,7 @@ SurfacePoints make_points(const SplineGrid& grid, const TriangleMesh& mesh, cons
                           const SpanOwner& owner) {
   const SurfacePieces& pieces = trimming.pieces;
   const auto degree = grid.degree();
-  const auto rule = triangle_rule(3 * *std::max_element(degree.begin(), degree.end()));
+  const PieceRules rules(3 * *std::max_element(degree.begin(), degree.end()));
   const Point3 h = grid.span_size();
   const auto num_pieces = static_cast<std::size_t>(pieces.num_pieces());
   const tbb::blocked_range<std::size_t> all(0, num_pieces, pieces_per_task);
@@ -121,14 +178,14 @@ SurfacePoints make_points(const SplineGrid& grid, const TriangleMesh& mesh, cons
       const auto polygon = pieces.polygon(static_cast<std::int64_t>(q));
       const Facet facet = make_facet(grid, mesh, pieces.triangle[q]);
       std::int64_t count = 0;
-      for_each_fan_triangle(polygon, facet, h, [&](const auto&, const auto&, const auto&, double) { ++count; });
+      for_each_point(polygon, facet, h, rules, [&](const Point3&, double) { ++count; });
       if (count == 0) continue;
       const std::int64_t span = owner.find(mean(polygon), facet.grid_normal);
       if (span != last_span) {
         last_span = span;
         last_active = owner.active_number(span);
       }
-      placement[q] = {last_active, count * static_cast<std::int64_t>(rule.size())};
+      placement[q] = {last_active, count};
     }
   });
 
@@ -150,7 +207,7 @@ SurfacePoints make_points(const SplineGrid& grid, const TriangleMesh& mesh, cons
   out.triangle.resize(num_points);
   tbb::parallel_for(all, [&](const auto& range) {
     for (std::size_t q = range.begin(); q != range.end(); ++q)
-      fill_piece(owner, trimming.active[static_cast<std::size_t>(placement[q].active)], rule,
+      fill_piece(owner, trimming.active[static_cast<std::size_t>(placement[q].active)], rules,
                  make_facet(grid, mesh, pieces.triangle[q]), h, pieces.polygon(static_cast<std::int64_t>(q)),
                  pieces.triangle[q], placement[q].first, out);
   });
