@@ -16,9 +16,9 @@ struct GluedFunctions {
   std::int64_t first = -1;  ///< linear number of the first of them
 };
 
-/// A support counts where two of its connected sets of nodes (see node_sets.hpp) each fill at least a quarter of a span:
-/// smaller ones may be tips of an edge or specks of a wall thinner than the lattice spacing, which the lattice cannot
-/// follow. For the same reason a gap between two such thin walls can be missed.
+/// A support counts where two of its connected sets (see node_sets.hpp) each fill at least a quarter of a span. Smaller ones
+/// may be the tip of an edge; walls thinner than the lattice spacing, 1 / (max degree + 2) of a span, do not count at all,
+/// because the lattice cannot follow them: a gap between two such walls goes unseen.
 /// @param state  (num_spans) of the trimming; decides the spans without surface
 GluedFunctions find_glued_functions(const SplineGrid& grid, const SurfacePieces& pieces,
                                     const std::vector<std::uint8_t>& state, const LatticeNodes& nodes);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <numeric>
 
 namespace iga::prep {
 
@@ -16,8 +17,8 @@ constexpr std::uint8_t no_set = 255;  // more than the sets of a span: at most h
 static_assert(max_nodes / 2 < no_set);
 constexpr std::size_t spans_per_block = 1024;
 
-// Labels the connected sets of one span by flood filling; appends their sizes.
-void label_span(const LatticeNodes& nodes, std::size_t t, std::uint8_t* labels, std::vector<std::int32_t>& sizes) {
+// Labels the connected sets of one span by flood filling; returns their number.
+std::uint8_t label_span(const LatticeNodes& nodes, std::size_t t, std::uint8_t* labels) {
   const std::int64_t n = nodes.per_span();
   assert(static_cast<std::size_t>(nodes.nodes_per_span()) <= max_nodes);
   std::fill(labels, labels + nodes.nodes_per_span(), no_set);
@@ -29,12 +30,10 @@ void label_span(const LatticeNodes& nodes, std::size_t t, std::uint8_t* labels, 
     for (seed[1] = 0; seed[1] < n; ++seed[1])
       for (seed[0] = 0; seed[0] < n; ++seed[0]) {
         if (labels[nodes.node(seed)] != no_set || !nodes.inside(t, nodes.node(seed))) continue;
-        std::int32_t size = 0;
         labels[nodes.node(seed)] = next;
         stack[pending++] = seed;
         while (pending > 0) {
           const Index3 m = stack[--pending];
-          ++size;
           for (std::size_t d = 0; d < 3; ++d)
             for (const std::int64_t step : {-1, 1}) {
               Index3 to = m, segment = m;
@@ -47,9 +46,9 @@ void label_span(const LatticeNodes& nodes, std::size_t t, std::uint8_t* labels, 
               stack[pending++] = to;
             }
         }
-        sizes.push_back(size);
         ++next;
       }
+  return next;
 }
 
 Point3 minus(const Point3& a, const Point3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
@@ -127,31 +126,24 @@ public:
     NodeSets sets;
     sets.first_set.assign(num_touched + 1, 0);
     sets.first_link.assign(num_touched + 1, 0);
-    std::vector<std::vector<std::int32_t>> sizes(num_blocks);
     std::vector<std::vector<NodeLink>> links(num_blocks);
     const auto for_blocks = [&](auto&& work) {
       tbb::parallel_for(std::size_t{0}, num_blocks, [&](std::size_t b) {
         for (std::size_t t = b * spans_per_block; t < std::min((b + 1) * spans_per_block, num_touched); ++t) work(b, t);
       });
     };
-    for_blocks([&](std::size_t b, std::size_t t) {
-      const std::size_t before = sizes[b].size();
-      label_span(nodes_, t, &labels_[t * volume], sizes[b]);
-      sets.first_set[t + 1] = static_cast<std::int64_t>(sizes[b].size() - before);
+    for_blocks([&](std::size_t, std::size_t t) {
+      sets.first_set[t + 1] = label_span(nodes_, t, &labels_[t * volume]);
     });
+    std::partial_sum(sets.first_set.begin(), sets.first_set.end(), sets.first_set.begin());
+    sets.set_size.assign(static_cast<std::size_t>(sets.first_set.back()), 0);
     for_blocks([&](std::size_t b, std::size_t t) {
       const std::size_t before = links[b].size();
-      link_span(t, links[b]);
+      link_span(t, links[b], sets.set_size.data() + sets.first_set[t]);
       sets.first_link[t + 1] = static_cast<std::int64_t>(links[b].size() - before);
     });
-    for (std::size_t t = 0; t < num_touched; ++t) {
-      sets.first_set[t + 1] += sets.first_set[t];
-      sets.first_link[t + 1] += sets.first_link[t];
-    }
-    for (std::size_t b = 0; b < num_blocks; ++b) {
-      sets.set_size.insert(sets.set_size.end(), sizes[b].begin(), sizes[b].end());
-      sets.links.insert(sets.links.end(), links[b].begin(), links[b].end());
-    }
+    std::partial_sum(sets.first_link.begin(), sets.first_link.end(), sets.first_link.begin());
+    for (const auto& block : links) sets.links.insert(sets.links.end(), block.begin(), block.end());
     return sets;
   }
 
@@ -185,8 +177,37 @@ private:
     return p;
   }
 
-  void link_span(std::size_t t, std::vector<NodeLink>& links) const {
+  // Counts the nodes of each set that belong to a lattice cube with all corners in the solid, cubes that reach into
+  // neighbouring spans included: an erosion by one step along each axis, then a dilation.
+  void count_thick_nodes(Neighbourhood& around, std::size_t t, std::int32_t* set_size) const {
+    const std::int64_t n = nodes_.per_span(), wide = n + 2;
+    std::array<std::uint8_t, (max_degree + 4) * (max_degree + 4) * (max_degree + 4)> in;
+    std::int64_t q = 0;
+    Index3 m;
+    for (m[2] = -1; m[2] <= n; ++m[2])
+      for (m[1] = -1; m[1] <= n; ++m[1])
+        for (m[0] = -1; m[0] <= n; ++m[0]) in[static_cast<std::size_t>(q++)] = place(around, m).set != no_set;
+    const auto last = static_cast<std::size_t>(q);
+    for (const std::int64_t step : {std::int64_t{1}, wide, wide * wide}) {
+      const auto stride = static_cast<std::size_t>(step);
+      // Entries at the far side wrap round; they are corners of cubes beyond the span's nodes and are never read.
+      for (std::size_t i = 0; i + stride < last; ++i) in[i] &= in[i + stride];
+    }
+    for (const std::int64_t step : {std::int64_t{1}, wide, wide * wide}) {
+      const auto stride = static_cast<std::size_t>(step);
+      for (std::size_t i = last - 1; i >= stride; --i) in[i] |= in[i - stride];
+    }
+    for (m[2] = 0; m[2] < n; ++m[2])
+      for (m[1] = 0; m[1] < n; ++m[1])
+        for (m[0] = 0; m[0] < n; ++m[0]) {
+          const std::uint8_t set = label(t, m);
+          if (set != no_set) set_size[set] += in[static_cast<std::size_t>(m[0] + 1 + wide * (m[1] + 1 + wide * (m[2] + 1)))];
+        }
+  }
+
+  void link_span(std::size_t t, std::vector<NodeLink>& links, std::int32_t* set_size) const {
     Neighbourhood around(grid_, pieces_, state_, t);
+    count_thick_nodes(around, t, set_size);
     const std::size_t before = links.size();
     const auto add = [&](const Place& to, std::uint8_t own) {
       const auto same = [&](const NodeLink& l) { return l.own == own && l.other == to.set && l.step == to.step; };

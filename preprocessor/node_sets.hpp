@@ -20,7 +20,8 @@ struct NodeLink {
 /// Sets of all touched spans and the links between them.
 struct NodeSets {
   std::vector<std::int64_t> first_set;   ///< (num_touched + 1)
-  std::vector<std::int32_t> set_size;    ///< (num_sets); nodes
+  std::vector<std::int32_t> set_size;    ///< (num_sets); nodes that belong to a lattice cube with all eight corners in the
+                                         ///< solid, so that walls thinner than the spacing count 0
   std::vector<std::int64_t> first_link;  ///< (num_touched + 1)
   std::vector<NodeLink> links;           ///< every link once, or once from either side
 };

@@ -116,6 +116,43 @@ TEST(GluedFunctions, SeeASlitThinnerThanASpan) {
   EXPECT_EQ(judge(grid_around(wide, h, 2, 0.37), wide).glued_functions, 0);
 }
 
+TEST(GluedFunctions, AreNotSeenInObliqueThinWalls) {
+  // Thinner than the distance at which axis-parallel steps between lattice points stay inside.
+  const double h = 0.1;
+  for (const double thickness : {0.2 * h, 0.3 * h, 0.45 * h, 0.7 * h})
+    for (const auto& [z, y] : {std::pair{45.0, 0.0}, {44.0, 0.0}, {45.0, 35.0}, {30.0, 20.0}, {10.0, 3.0}}) {
+      const TriangleMesh wall = transformed(box({0, 0, 0}, {thickness, 1.5, 1.2}), rotation(z, y), {});
+      const WindingReport r = judge(grid_around(wall, h, 2, 0.23), wall);
+      expect_clean(r);
+      EXPECT_EQ(r.glued_functions, 0) << thickness / h << ' ' << z << ' ' << y;
+    }
+}
+
+TEST(LineWinding, WorksWithUnequalDegreesAndInARotatedGrid) {
+  const TriangleMesh two = join({box({0, 0, 0}, {1, 1, 1}), box({1.05, 0, 0}, {2, 1, 1})});
+  const SplineGrid around = grid_around(two, 0.2, 4, 0.3, rotation(20, 40));
+  const SplineGrid grid(around.A(), around.B(), around.spans(), {1, 2, 4}, around.rotation());
+  const WindingReport r = judge(grid, two);
+  expect_clean(r);
+  EXPECT_GT(r.glued_functions, 0);
+}
+
+TEST(LineWinding, DependsNeitherOnScaleNorOnPlace) {
+  const TriangleMesh two = join({sphere({0, 0, 0}, 1, 3), sphere({1.5, 0.1, 0.2}, 1, 3)});
+  const WindingReport reference = judge(grid_around(two, 0.2, 2, 0.21), two);
+  for (const double scale : {1e-6, 1.0, 1e6})
+    for (const double shift : {0.0, 1e4}) {
+      TriangleMesh moved = two;
+      for (Point3& v : moved.vertices)
+        for (double& c : v) c = scale * (c + shift);
+      const WindingReport r = judge(grid_around(moved, 0.2 * scale, 2, 0.21), moved);
+      EXPECT_EQ(r.num_crossings, reference.num_crossings);
+      EXPECT_EQ(r.bad_lines, reference.bad_lines);
+      EXPECT_NEAR(r.bad_length / scale, reference.bad_length, 1e-8 * reference.bad_length);
+      EXPECT_EQ(r.glued_functions, reference.glued_functions);
+    }
+}
+
 TEST(LineWinding, DoesNotDependOnTheNumberOfThreads) {
   const TriangleMesh two = join({sphere({0, 0, 0}, 1, 3), sphere({1.5, 0.1, 0.2}, 1, 3)});
   const SplineGrid grid = grid_around(two, 0.2, 2, 0.2);
