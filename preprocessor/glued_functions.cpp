@@ -1,5 +1,5 @@
-// A function's support is a block of spans, so its connected sets of nodes follow from those of the spans and a few dozen
-// links between them.
+// A function's support is a block of spans, so its connected sets of nodes follow from those of the spans and a few
+// dozen links between them.
 #include "preprocessor/glued_functions.hpp"
 
 #include "format/model/span_state.hpp"
@@ -52,7 +52,7 @@ struct JoinedSets {
 
 /// Judges the functions of one row (fixed j, k), i ascending.
 class FunctionRow {
-public:
+ public:
   FunctionRow(const SplineGrid& grid, const SurfacePieces& pieces, const std::vector<std::uint8_t>& state,
               const NodeSets& graph, const std::vector<std::int64_t>& row_first, std::int32_t nodes_per_span)
       : grid_(grid), pieces_(pieces), state_(state), graph_(graph), row_first_(row_first), volume_(nodes_per_span) {}
@@ -86,10 +86,10 @@ public:
     return out;
   }
 
-private:
+ private:
   struct Cursor {
-    std::int64_t first, last;  // touched spans of the row that may still matter
-    std::int64_t row_start;    // linear number of the row's first span
+    std::int64_t first, last; // touched spans of the row that may still matter
+    std::int64_t row_start;   // linear number of the row's first span
   };
 
   std::int64_t span(std::int64_t t) const { return pieces_.spans[static_cast<std::size_t>(t)]; }
@@ -168,8 +168,8 @@ private:
   const NodeSets& graph_;
   const std::vector<std::int64_t>& row_first_;
   std::int32_t volume_;
-  Index3 low_{}, high_{};             // the support's spans
-  std::vector<Cursor> cursor_;        // per row of the support
+  Index3 low_{}, high_{};      // the support's spans
+  std::vector<Cursor> cursor_; // per row of the support
   JoinedSets sets_;
   std::vector<std::int32_t> base_;    // first set of each span of the support
   std::vector<std::int64_t> touched_; // its touched number; -1 interior, -2 exterior
@@ -181,7 +181,7 @@ GluedFunctions find_glued_functions(const SplineGrid& grid, const SurfacePieces&
                                     const std::vector<std::uint8_t>& state, const LatticeNodes& nodes) {
   const NodeSets graph = build_node_sets(grid, pieces, state, nodes);
   const Index3 n = grid.spans(), functions = grid.functions();
-  std::vector<std::int64_t> row_first(static_cast<std::size_t>(n[1] * n[2]) + 1, 0);  // touched spans of row (j, k)
+  std::vector<std::int64_t> row_first(static_cast<std::size_t>(n[1] * n[2]) + 1, 0); // touched spans of row (j, k)
   for (const std::int64_t span : pieces.spans) ++row_first[static_cast<std::size_t>(span / n[0]) + 1];
   std::partial_sum(row_first.begin(), row_first.end(), row_first.begin());
 

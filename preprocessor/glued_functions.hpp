@@ -13,12 +13,12 @@ namespace iga::prep {
 /// gap, which share the function and act as glued together.
 struct GluedFunctions {
   std::int64_t count = 0;
-  std::int64_t first = -1;  ///< linear number of the first of them
+  std::int64_t first = -1; ///< linear number of the first of them
 };
 
-/// A support counts where two of its connected sets (see node_sets.hpp) each fill at least a quarter of a span. Smaller ones
-/// may be the tip of an edge; walls thinner than the lattice spacing, 1 / (max degree + 2) of a span, do not count at all,
-/// because the lattice cannot follow them: a gap between two such walls goes unseen.
+/// A support counts where two of its connected sets (see node_sets.hpp) each fill at least a quarter of a span. Smaller
+/// ones may be the tip of an edge; walls thinner than the lattice spacing, 1 / (max degree + 2) of a span, do not count
+/// at all, because the lattice cannot follow them: a gap between two such walls goes unseen.
 /// @param state  (num_spans) of the trimming; decides the spans without surface
 GluedFunctions find_glued_functions(const SplineGrid& grid, const SurfacePieces& pieces,
                                     const std::vector<std::uint8_t>& state, const LatticeNodes& nodes);

@@ -9,10 +9,10 @@
 
 namespace iga::prep {
 
-/// n³ nodes per touched span, numbered m_u + n (m_v + n m_w), and along every axis n + 1 segments on each of the n² lines:
-/// segment m ends at node m, segment 0 begins and segment n ends at the span's face.
+/// n³ nodes per touched span, numbered m_u + n (m_v + n m_w), and along every axis n + 1 segments on each of the n²
+/// lines: segment m ends at node m, segment 0 begins and segment n ends at the span's face.
 class LatticeNodes {
-public:
+ public:
   LatticeNodes(std::int64_t num_touched, LineLattice lattice);
 
   const LineLattice& lattice() const { return lattice_; }
@@ -26,7 +26,7 @@ public:
   void set_inside(std::size_t t, std::int64_t node) { set(t, node); }
   void set_blocked(std::size_t t, std::size_t axis, const Index3& m) { set(t, segment(axis, m)); }
 
-private:
+ private:
   std::int64_t segment(std::size_t axis, const Index3& m) const {
     const std::int64_t line = m[(axis + 1) % 3] + n_ * m[(axis + 2) % 3];
     return nodes_per_span() + (static_cast<std::int64_t>(axis) * n_ * n_ + line) * (n_ + 1) + m[axis];

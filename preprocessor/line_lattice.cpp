@@ -10,7 +10,7 @@ namespace {
 /// Where an edge meets the plane ξ_e = E.
 struct EdgePoint {
   double f = 0, d = 0;
-  int direction = 0;  ///< +1 where the edge runs up along e
+  int direction = 0; ///< +1 where the edge runs up along e
 };
 
 double between(double low, double high, double t) {
@@ -18,9 +18,10 @@ double between(double low, double high, double t) {
   return low <= high ? std::clamp(x, low, high) : std::clamp(x, high, low);
 }
 
-// Always computed from the edge's lower end, whichever way the triangle runs along it. Returns false where the edge does
-// not reach the plane; its lower end belongs to it, its upper end does not.
-bool meet_edge(const Point3& p, const Point3& q, std::size_t d, std::size_t e, std::size_t f, double E, EdgePoint& out) {
+// Always computed from the edge's lower end, whichever way the triangle runs along it. Returns false where the edge
+// does not reach the plane; its lower end belongs to it, its upper end does not.
+bool meet_edge(const Point3& p, const Point3& q, std::size_t d, std::size_t e, std::size_t f, double E,
+               EdgePoint& out) {
   const bool up = p[e] < q[e];
   const Point3& low = up ? p : q;
   const Point3& high = up ? q : p;

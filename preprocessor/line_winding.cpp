@@ -16,16 +16,16 @@ namespace iga::prep {
 
 namespace {
 
-// A crossing this close to a span's face (span units) counts on both sides of it: the triangle and the clipped piece may
-// round to different sides.
+// A crossing this close to a span's face (span units) counts on both sides of it: the triangle and the clipped piece
+// may round to different sides.
 constexpr double face_noise = 1e-9;
 
 /// A stretch of one line where the winding number is wrong.
 struct BadStretch {
   int winding = 0;
-  double length = 0;  ///< in spans
+  double length = 0; ///< in spans
   std::int64_t line = -1;
-  double middle = 0;  ///< span units along the line
+  double middle = 0; ///< span units along the line
 
   // How far from 0 … 1; a stretch that is only wrong because it does not end counts least.
   int severity() const { return std::max(winding - 1, -winding); }
@@ -38,11 +38,13 @@ struct BadStretch {
 
 struct SlabReport {
   std::int64_t num_crossings = 0, bad_lines = 0;
-  double bad_length = 0;  ///< in spans
+  double bad_length = 0; ///< in spans
   BadStretch worst;
 };
 
-bool is_bad(int winding) { return winding < 0 || winding > 1; }
+bool is_bad(int winding) {
+  return winding < 0 || winding > 1;
+}
 
 // Follows one line's winding number. Consecutive wrong stretches are one: coincident faces split them at random.
 void judge_line(std::span<const LineCrossing> crossings, double line_end, double sliver_tolerance, SlabReport& report) {
@@ -79,7 +81,7 @@ void judge_line(std::span<const LineCrossing> crossings, double line_end, double
     }
   }
   if (in_run) close_run(line_end);
-  if (winding != 0 && !is_bad(winding)) {  // leaks out of the grid
+  if (winding != 0 && !is_bad(winding)) { // leaks out of the grid
     const BadStretch open{winding, line_end - crossings.back().at, crossings.back().line,
                           0.5 * (line_end + crossings.back().at)};
     if (open.worse_than(report.worst)) report.worst = open;
@@ -113,10 +115,9 @@ TouchedOrder order_touched(const SplineGrid& grid, const SurfacePieces& pieces, 
 
 /// Follows the lines along one axis: judges them and records what they see at the lattice nodes of touched spans.
 class AxisPass {
-public:
-  AxisPass(const SplineGrid& grid, const TriangleMesh& mesh, const std::vector<Point3>& xi,
-           const SurfacePieces& pieces, LineLattice lattice, double sliver_tolerance, std::size_t axis,
-           LatticeNodes& nodes)
+ public:
+  AxisPass(const SplineGrid& grid, const TriangleMesh& mesh, const std::vector<Point3>& xi, const SurfacePieces& pieces,
+           LineLattice lattice, double sliver_tolerance, std::size_t axis, LatticeNodes& nodes)
       : grid_(grid), pieces_(pieces), lattice_(lattice), sliver_tolerance_(sliver_tolerance), d_(axis),
         e_((axis + 1) % 3), f_((axis + 2) % 3), nodes_(nodes), shooter_(grid, mesh, xi, lattice, axis),
         order_(order_touched(grid, pieces, axis)) {}
@@ -143,7 +144,7 @@ public:
     }
   }
 
-private:
+ private:
   SlabReport judge_slab(const std::vector<LineCrossing>& crossings) const {
     SlabReport report;
     report.num_crossings = static_cast<std::int64_t>(crossings.size());
@@ -202,7 +203,7 @@ private:
     m[f_] = crossings.front().line / n - row * n;
     std::size_t c = 0;
     int winding = 0;
-    const auto pass = [&](double limit) {  // crossings below the limit; true where there are any
+    const auto pass = [&](double limit) { // crossings below the limit; true where there are any
       const std::size_t before = c;
       for (; c < crossings.size() && crossings[c].at < limit; ++c) winding += crossings[c].change;
       return c > before;

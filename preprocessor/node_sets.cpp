@@ -12,8 +12,8 @@ namespace iga::prep {
 
 namespace {
 
-constexpr std::size_t max_nodes = (max_degree + 2) * (max_degree + 2) * (max_degree + 2);  // of a span
-constexpr std::uint8_t no_set = 255;  // more than the sets of a span: at most half of its nodes, a chessboard
+constexpr std::size_t max_nodes = (max_degree + 2) * (max_degree + 2) * (max_degree + 2); // of a span
+constexpr std::uint8_t no_set = 255; // more than the sets of a span: at most half of its nodes, a chessboard
 static_assert(max_nodes / 2 < no_set);
 constexpr std::size_t spans_per_block = 1024;
 
@@ -23,7 +23,7 @@ std::uint8_t label_span(const LatticeNodes& nodes, std::size_t t, std::uint8_t* 
   assert(static_cast<std::size_t>(nodes.nodes_per_span()) <= max_nodes);
   std::fill(labels, labels + nodes.nodes_per_span(), no_set);
   std::uint8_t next = 0;
-  std::array<Index3, max_nodes> stack;  // a node is pushed once
+  std::array<Index3, max_nodes> stack; // a node is pushed once
   std::size_t pending = 0;
   Index3 seed;
   for (seed[2] = 0; seed[2] < n; ++seed[2])
@@ -51,7 +51,9 @@ std::uint8_t label_span(const LatticeNodes& nodes, std::size_t t, std::uint8_t* 
   return next;
 }
 
-Point3 minus(const Point3& a, const Point3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+Point3 minus(const Point3& a, const Point3& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
 
 // Six times the signed volume of a tetrahedron.
 double orient(const Point3& a, const Point3& b, const Point3& c, const Point3& d) {
@@ -71,7 +73,7 @@ bool meets(const Point3& p, const Point3& q, std::span<const Point3> polygon) {
 
 /// A touched span and what surrounds it; neighbours are looked up when they are first asked for.
 class Neighbourhood {
-public:
+ public:
   static constexpr std::int64_t interior = -1, exterior = -2;
 
   Neighbourhood(const SplineGrid& grid, const SurfacePieces& pieces, const std::vector<std::uint8_t>& state,
@@ -89,7 +91,7 @@ public:
     return known;
   }
 
-private:
+ private:
   static constexpr std::int64_t unknown = -3;
 
   std::int64_t look_up(const std::array<std::int8_t, 3>& step) const {
@@ -113,7 +115,7 @@ private:
 };
 
 class NodeSetBuilder {
-public:
+ public:
   NodeSetBuilder(const SplineGrid& grid, const SurfacePieces& pieces, const std::vector<std::uint8_t>& state,
                  const LatticeNodes& nodes)
       : grid_(grid), pieces_(pieces), state_(state), nodes_(nodes) {}
@@ -132,9 +134,8 @@ public:
         for (std::size_t t = b * spans_per_block; t < std::min((b + 1) * spans_per_block, num_touched); ++t) work(b, t);
       });
     };
-    for_blocks([&](std::size_t, std::size_t t) {
-      sets.first_set[t + 1] = label_span(nodes_, t, &labels_[t * volume]);
-    });
+    for_blocks(
+        [&](std::size_t, std::size_t t) { sets.first_set[t + 1] = label_span(nodes_, t, &labels_[t * volume]); });
     std::partial_sum(sets.first_set.begin(), sets.first_set.end(), sets.first_set.begin());
     sets.set_size.assign(static_cast<std::size_t>(sets.first_set.back()), 0);
     for_blocks([&](std::size_t b, std::size_t t) {
@@ -147,12 +148,12 @@ public:
     return sets;
   }
 
-private:
+ private:
   /// A lattice node of a span or of one beside it.
   struct Place {
-    std::array<std::int8_t, 3> step{};  ///< from the span to the one that holds the node
-    std::int64_t touched = 0;           ///< as Neighbourhood::at
-    std::uint8_t set = no_set;          ///< no_set outside the solid
+    std::array<std::int8_t, 3> step{}; ///< from the span to the one that holds the node
+    std::int64_t touched = 0;          ///< as Neighbourhood::at
+    std::uint8_t set = no_set;         ///< no_set outside the solid
   };
 
   std::uint8_t label(std::size_t t, const Index3& m) const {
@@ -201,7 +202,8 @@ private:
       for (m[1] = 0; m[1] < n; ++m[1])
         for (m[0] = 0; m[0] < n; ++m[0]) {
           const std::uint8_t set = label(t, m);
-          if (set != no_set) set_size[set] += in[static_cast<std::size_t>(m[0] + 1 + wide * (m[1] + 1 + wide * (m[2] + 1)))];
+          if (set != no_set)
+            set_size[set] += in[static_cast<std::size_t>(m[0] + 1 + wide * (m[1] + 1 + wide * (m[2] + 1)))];
         }
   }
 
@@ -267,7 +269,7 @@ private:
         if (beside_f.set != no_set) continue;
         const Place to = place(around, c);
         if (to.set == no_set || (to.touched == static_cast<std::int64_t>(t) && to.set == own)) continue;
-        if (se < 0 && to.touched >= 0) continue;  // found from the other end
+        if (se < 0 && to.touched >= 0) continue; // found from the other end
         const auto own_span = static_cast<std::int64_t>(t);
         if (free_segment(around, m, c, {own_span, beside_e.touched, beside_f.touched, to.touched})) add(to);
       }
@@ -300,7 +302,7 @@ private:
   const SurfacePieces& pieces_;
   const std::vector<std::uint8_t>& state_;
   const LatticeNodes& nodes_;
-  std::vector<std::uint8_t> labels_;  // (num_touched × nodes per span)
+  std::vector<std::uint8_t> labels_; // (num_touched × nodes per span)
 };
 
 } // namespace

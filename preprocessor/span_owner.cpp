@@ -14,7 +14,8 @@ namespace {
 // Distances (span units) closer than this count as equal: far above the rounding of coordinates, far below a sliver.
 constexpr double same_distance = 1e-9;
 
-// Shells of spans searched around a point before all active spans are: a dropped span's neighbour is nearly always near.
+// Shells of spans searched around a point before all active spans are: a dropped span's neighbour is nearly always
+// near.
 constexpr std::int64_t max_shell = 6;
 
 } // namespace
@@ -22,7 +23,7 @@ constexpr std::int64_t max_shell = 6;
 struct SpanOwner::Choice {
   std::int64_t span = -1;
   double distance = std::numeric_limits<double>::infinity();
-  double height = 0;  ///< of the span's centre above the surface's tangent plane, length
+  double height = 0; ///< of the span's centre above the surface's tangent plane, length
 };
 
 SpanOwner::SpanOwner(const SplineGrid& grid, const Trimming& trimming) : grid_(grid), trimming_(trimming) {
@@ -47,7 +48,7 @@ void SpanOwner::consider(const Index3& ijk, const Point3& xi, const Point3& norm
 
 std::int64_t SpanOwner::find(const Point3& xi, const Point3& normal) const {
   const Index3 n = grid_.spans();
-  Index3 low{}, high{};  // spans whose closed box holds the point
+  Index3 low{}, high{}; // spans whose closed box holds the point
   for (std::size_t d = 0; d < 3; ++d) {
     const double below = std::floor(xi[d]);
     high[d] = std::clamp<std::int64_t>(static_cast<std::int64_t>(below), 0, n[d] - 1);

@@ -10,13 +10,14 @@ namespace iga::prep {
 
 /// Holds references: grid and trimming must outlive it. Safe to share between threads.
 class SpanOwner {
-public:
+ public:
   SpanOwner(const SplineGrid& grid, const Trimming& trimming);
 
   /// Linear number of the active span that owns a surface point.
-  /// Among active spans whose closed box holds the point: the one whose centre lies furthest against the outward normal.
-  /// Where there is none (the point lies in a snapped or dropped span): the nearest active span, by the distance from the
-  /// point to its closed box in span units; of several equally near ones again the one on the material side.
+  /// Among active spans whose closed box holds the point: the one whose centre lies furthest against the outward
+  /// normal. Where there is none (the point lies in a snapped or dropped span): the nearest active span, by the
+  /// distance from the point to its closed box in span units; of several equally near ones again the one on the
+  /// material side.
   /// @param xi      span units (see SurfacePieces)
   /// @param normal  outward, in the grid's frame, any length
   /// @pre at least one span is active
@@ -28,7 +29,7 @@ public:
   /// Parameters of a point given in span units, moved into the closed box of a span.
   Point3 parameters_in(std::int64_t span, const Point3& xi) const;
 
-private:
+ private:
   struct Choice;
   void consider(const Index3& ijk, const Point3& xi, const Point3& normal, Choice& best) const;
 

@@ -26,9 +26,13 @@ Point3 cross(const Point3& a, const Point3& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-double dot(const Point3& a, const Point3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+double dot(const Point3& a, const Point3& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 
-Point3 minus(const Point3& a, const Point3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+Point3 minus(const Point3& a, const Point3& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
 
 // A direction in space seen from the grid's axes.
 Point3 to_grid_frame(const Rotation& R, const Point3& v) {
@@ -40,9 +44,9 @@ Point3 to_grid_frame(const Rotation& R, const Point3& v) {
 
 /// Unit normal and area of a mesh triangle; a triangle without area has a zero normal.
 struct Facet {
-  Point3 normal{};       ///< in space
-  Point3 grid_normal{};  ///< in the grid's frame
-  double area = 0;       ///< length²
+  Point3 normal{};      ///< in space
+  Point3 grid_normal{}; ///< in the grid's frame
+  double area = 0;      ///< length²
 };
 
 Facet make_facet(const SplineGrid& grid, const TriangleMesh& mesh, std::int32_t triangle) {
@@ -61,14 +65,14 @@ Facet make_facet(const SplineGrid& grid, const TriangleMesh& mesh, std::int32_t 
 /// Rules for the parts that a piece is cut into, all exact to the same total degree.
 struct PieceRules {
   std::span<const TrianglePoint> triangle;
-  const LineRule* line;  ///< both ways over a quadrilateral: the bilinear map's Jacobian adds one degree
+  const LineRule* line; ///< both ways over a quadrilateral: the bilinear map's Jacobian adds one degree
 
   explicit PieceRules(int degree) : triangle(triangle_rule(degree)), line(&gauss_legendre((degree + 3) / 2)) {}
 };
 
 /// A piece seen from its first vertex: areas of the fan's triangles (length²).
 class PieceAreas {
-public:
+ public:
   PieceAreas(std::span<const Point3> polygon, const Facet& facet, const Point3& h)
       : polygon_(polygon), facet_(facet), h_(h) {}
 
@@ -77,7 +81,7 @@ public:
   }
   bool counts(double area) const { return area > negligible_share * facet_.area; }
 
-private:
+ private:
   Point3 edge(std::size_t from, std::size_t to) const {
     const Point3 e = minus(polygon_[to], polygon_[from]);
     return {h_[0] * e[0], h_[1] * e[1], h_[2] * e[2]};
@@ -95,8 +99,8 @@ Point3 combine(std::span<const Point3> polygon, const std::array<std::size_t, 4>
   return xi;
 }
 
-// Bilinear map of the unit square. Its Jacobian is linear, so it follows from the corners' values: twice the area of the
-// triangle at each corner.
+// Bilinear map of the unit square. Its Jacobian is linear, so it follows from the corners' values: twice the area of
+// the triangle at each corner.
 template <class Use>
 void for_each_quadrilateral_point(std::span<const Point3> polygon, const PieceAreas& areas,
                                   const std::array<std::size_t, 4>& corner, const LineRule& rule, Use&& use) {
@@ -135,8 +139,8 @@ void for_each_point(std::span<const Point3> polygon, const Facet& facet, const P
 
 /// Where a piece goes.
 struct Placement {
-  std::int64_t active = 0;  ///< number of the owning span among the active ones
-  std::int64_t first = 0;   ///< number of its points, later its first point
+  std::int64_t active = 0; ///< number of the owning span among the active ones
+  std::int64_t first = 0;  ///< number of its points, later its first point
 };
 
 Point3 mean(std::span<const Point3> polygon) {

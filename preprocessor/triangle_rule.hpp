@@ -8,8 +8,8 @@ namespace iga::prep {
 
 /// One point of a rule: position l0 P0 + l1 P1 + l2 P2, weight relative to the triangle's area.
 struct TrianglePoint {
-  std::array<double, 3> barycentric{};  ///< all in (0, 1), sum 1
-  double weight = 0;                    ///< > 0; the weights of a rule sum to 1
+  std::array<double, 3> barycentric{}; ///< all in (0, 1), sum 1
+  double weight = 0;                   ///< > 0; the weights of a rule sum to 1
 };
 
 /// Highest total degree that triangle_rule offers: three times the highest spline degree.

@@ -1,5 +1,5 @@
-// CGAL as an independent judge of the trimming on real parts: states against its inside/outside test at all span centres
-// and corners, volume, centroid and second moments against the mesh's own.
+// CGAL as an independent judge of the trimming on real parts: states against its inside/outside test at all span
+// centres and corners, volume, centroid and second moments against the mesh's own.
 #include "format/model/span_state.hpp"
 #include "preprocessor/span_moments.hpp"
 #include "preprocessor/trim.hpp"
@@ -41,7 +41,7 @@ double diagonal(const TriangleMesh& mesh) {
 }
 
 class CgalJudge {
-public:
+ public:
   explicit CgalJudge(const TriangleMesh& mesh) {
     std::vector<Kernel::Point_3> points;
     for (const Point3& v : mesh.vertices) points.emplace_back(v[0], v[1], v[2]);
@@ -65,7 +65,7 @@ public:
   }
   bool closed() const { return CGAL::is_closed(mesh_); }
 
-private:
+ private:
   Mesh mesh_;
   Tree tree_;
   std::unique_ptr<CGAL::Side_of_triangle_mesh<Mesh, Kernel>> side_;
@@ -85,11 +85,12 @@ std::vector<std::int8_t> sides(const CgalJudge& judge, const Index3& n, const Po
 }
 
 class StateComparison {
-public:
+ public:
   StateComparison(const SplineGrid& grid, const TriangleMesh& mesh, const Trimming& trimming, const CgalJudge& judge)
       : grid_(grid), trimming_(trimming), judge_(judge), size_(diagonal(mesh)) {}
 
-  /// Points at which a state and CGAL differ further from the surface than rounding (in a snapped span: than the depth).
+  /// Points at which a state and CGAL differ further from the surface than rounding (in a snapped span: than the
+  /// depth).
   std::int64_t count_differences() {
     const Index3 n = grid_.spans(), c{n[0] + 1, n[1] + 1, n[2] + 1};
     const auto corner = [&](const Index3& i) { return at(i, 0); };
@@ -112,7 +113,7 @@ public:
     return wrong;
   }
 
-private:
+ private:
   Point3 at(const Index3& i, double offset) const {
     Point3 u;
     for (std::size_t d = 0; d < 3; ++d)
@@ -145,9 +146,13 @@ constexpr std::array<std::array<std::size_t, 2>, 6> pairs{{{0, 0}, {1, 1}, {2, 2
 void add_box(SolidMoments& sum, const Point3& low, const Point3& size, const std::array<double, 27>& m) {
   const double box = size[0] * size[1] * size[2];
   const auto legendre = [&](const Index3& d) { return m[static_cast<std::size_t>(d[0] + 3 * (d[1] + 3 * d[2]))]; };
-  const auto unit = [](std::size_t a) { Index3 d{}; d[a] = 1; return d; };
+  const auto unit = [](std::size_t a) {
+    Index3 d{};
+    d[a] = 1;
+    return d;
+  };
   const double m0 = m[0];
-  Point3 m1;  // x = (P1 + 1) / 2
+  Point3 m1; // x = (P1 + 1) / 2
   for (std::size_t a = 0; a < 3; ++a) m1[a] = (legendre(unit(a)) + m0) / 2;
   sum.volume += box * m0;
   for (std::size_t a = 0; a < 3; ++a) sum.first[a] += box * (low[a] * m0 + size[a] * m1[a]);
@@ -159,7 +164,8 @@ void add_box(SolidMoments& sum, const Point3& low, const Point3& size, const std
     // x² = (P2 + 3 P1 + 2) / 6 and xy = (P1 P1 + P1 + P1 + 1) / 4
     const double m2 = a == b ? (legendre(d) + 3 * legendre(unit(a)) + 2 * m0) / 6
                              : (legendre(d) + legendre(unit(a)) + legendre(unit(b)) + m0) / 4;
-    sum.second[q] += box * (low[a] * low[b] * m0 + low[a] * size[b] * m1[b] + low[b] * size[a] * m1[a] + size[a] * size[b] * m2);
+    sum.second[q] +=
+        box * (low[a] * low[b] * m0 + low[a] * size[b] * m1[b] + low[b] * size[a] * m1[a] + size[a] * size[b] * m2);
   }
 }
 
@@ -244,15 +250,15 @@ TEST_P(ValidPart, AgreesWithCgalAndKeepsItsMoments) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Shared, ValidPart,
-    testing::Values("1002_tray_bottom.STL", "20mm-xyz-cube.stl", "7_8ths_cube.stl", "ADIS16480.STL",
-                    "A_Drive_Frame_Upper_x1.stl", "Rear_Bed_Mount_Right_x1.stl", "Spool_Holder_x1.STL",
-                    "X_Carriage_x1.stl", "angle_block.STL", "busted.STL", "cube_rot.stl", "cube_theta0_aligned.stl",
-                    "cube_theta3.stl", "cyl_r40_h100.stl", "cylinder.stl", "elephant.stl", "featuretype.STL",
-                    "idler_riser.STL", "large_block_obb.STL", "octagonal_pocket.stl", "plate_holes.STL",
-                    "plate_rot_t0.005.stl", "round.stl", "torus.STL", "two_objects_mixed_case_names.stl",
-                    "unit_cube.STL", "unit_sphere.STL"));
+INSTANTIATE_TEST_SUITE_P(Shared, ValidPart,
+                         testing::Values("1002_tray_bottom.STL", "20mm-xyz-cube.stl", "7_8ths_cube.stl",
+                                         "ADIS16480.STL", "A_Drive_Frame_Upper_x1.stl", "Rear_Bed_Mount_Right_x1.stl",
+                                         "Spool_Holder_x1.STL", "X_Carriage_x1.stl", "angle_block.STL", "busted.STL",
+                                         "cube_rot.stl", "cube_theta0_aligned.stl", "cube_theta3.stl",
+                                         "cyl_r40_h100.stl", "cylinder.stl", "elephant.stl", "featuretype.STL",
+                                         "idler_riser.STL", "large_block_obb.STL", "octagonal_pocket.stl",
+                                         "plate_holes.STL", "plate_rot_t0.005.stl", "round.stl", "torus.STL",
+                                         "two_objects_mixed_case_names.stl", "unit_cube.STL", "unit_sphere.STL"));
 
 } // namespace
 } // namespace iga::prep

@@ -168,8 +168,8 @@ TEST(LineWinding, DoesNotDependOnTheNumberOfThreads) {
 
 TEST(LineWindingParts, FindsSoundPartsSoundAndFlawedOnesFlawed) {
   if (shared_part("valid").empty()) GTEST_SKIP() << "shared STL parts are absent";
-  for (const char* name : {"elephant.stl", "busted.STL", "plate_rot_t0.005.stl", "cube_theta0_aligned.stl", "X_Carriage_x1.stl",
-                           "torus.STL", "unit_sphere.STL"}) {
+  for (const char* name : {"elephant.stl", "busted.STL", "plate_rot_t0.005.stl", "cube_theta0_aligned.stl",
+                           "X_Carriage_x1.stl", "torus.STL", "unit_sphere.STL"}) {
     SCOPED_TRACE(name);
     const TriangleMesh mesh = read_stl(shared_part(std::string("valid/") + name));
     expect_clean(judge(grid_with(mesh, 15, 2), mesh));

@@ -14,9 +14,9 @@ namespace {
 using namespace iga::test;
 
 struct Integrals {
-  std::vector<double> area;   // per region
-  Point3 closure{};           // Σ n w
-  double flux = 0;            // Σ (x - c)·n w
+  std::vector<double> area; // per region
+  Point3 closure{};         // Σ n w
+  double flux = 0;          // Σ (x - c)·n w
 };
 
 Integrals integrate(const SplineGrid& grid, const EmbeddedSurface& s) {
@@ -51,7 +51,8 @@ double expect_sound(const SplineGrid& grid, const TriangleMesh& mesh, const Trim
   };
   int misplaced = 0;
   for (std::size_t a = 0; a < active.size(); ++a)
-    for (auto p = q.offsets[a]; p < q.offsets[a + 1]; ++p) misplaced += outside(active[a], &q.parameters[3 * static_cast<std::size_t>(p)]);
+    for (auto p = q.offsets[a]; p < q.offsets[a + 1]; ++p)
+      misplaced += outside(active[a], &q.parameters[3 * static_cast<std::size_t>(p)]);
   for (std::size_t v = 0; v < s.vertex_span.size(); ++v) {
     misplaced += !std::binary_search(active.begin(), active.end(), s.vertex_span[v]);
     misplaced += outside(s.vertex_span[v], &s.vertex_parameters[3 * v]);
@@ -92,7 +93,7 @@ TEST_P(SurfaceQuadrature, IntegratesPolynomialsUpToThreeTimesTheDegree) {
   const EmbeddedSurface s = make_embedded_surface(grid, cube, trim(grid, cube, {}));
   for (int a = 0; a <= 3 * p; ++a) {
     const int b = 3 * p - a;
-    double sum = 0;  // ∫ x^a y^b over the faces z = const
+    double sum = 0; // ∫ x^a y^b over the faces z = const
     for (std::size_t q = 0; q < s.quadrature.weights.size(); ++q)
       if (std::abs(s.quadrature.normals[3 * q + 2]) > 0.5)
         sum += s.quadrature.weights[q] * std::pow(s.quadrature.parameters[3 * q], a) *
@@ -114,7 +115,8 @@ TEST(SurfaceOwner, FacesInGridPlanesGoToTheMaterialSide) {
   EXPECT_NEAR(expect_sound(grid, cube, trimming, s), 0, 1e-14);
   // A span at a corner of the cube owns three faces of its own, one inside the cube none.
   const auto num_points = [&](const Index3& ijk) {
-    const auto a = std::lower_bound(trimming.active.begin(), trimming.active.end(), grid.span_number(ijk)) - trimming.active.begin();
+    const auto a = std::lower_bound(trimming.active.begin(), trimming.active.end(), grid.span_number(ijk)) -
+                   trimming.active.begin();
     return s.quadrature.offsets[static_cast<std::size_t>(a) + 1] - s.quadrature.offsets[static_cast<std::size_t>(a)];
   };
   EXPECT_EQ(num_points({3, 3, 3}), 0);
@@ -145,8 +147,9 @@ TEST(SurfaceOwner, FacesInTheGridsOwnBoundaryAreOwnedByTheLastSpans) {
 
 TEST(SurfaceOwner, SnappedPiecesMoveByTheSliverDepthAtMost) {
   const SplineGrid grid({0, 0, 0}, {1, 1, 1}, {8, 8, 8}, {2, 2, 2});
-  for (const double depth : {1e-6, -1e-6}) {  // in lengths: 8e-6 spans into the next spans, or short of the plane
-    const TriangleMesh cube = box({0.25 - depth, 0.25 - depth, 0.25 - depth}, {0.75 + depth, 0.75 + depth, 0.75 + depth});
+  for (const double depth : {1e-6, -1e-6}) { // in lengths: 8e-6 spans into the next spans, or short of the plane
+    const TriangleMesh cube =
+        box({0.25 - depth, 0.25 - depth, 0.25 - depth}, {0.75 + depth, 0.75 + depth, 0.75 + depth});
     const Trimming trimming = trim(grid, cube, {});
     ASSERT_EQ(trimming.active.size(), 64U);
     ASSERT_GT(trimming.snapped_spans, 0);
@@ -180,6 +183,24 @@ TEST(SurfaceOwner, RefusesAPartOfSliversOnly) {
   EXPECT_THROW(make_embedded_surface(grid, sheet, trimming), InputError);
 }
 
+TEST(SurfaceOwner, DependsNeitherOnScaleNorOnPlace) {
+  const TriangleMesh ball = sphere({0.3, -0.2, 0.1}, 1.0, 3);
+  const SplineGrid grid = grid_around(ball, 0.23, 2, 0.31);
+  const EmbeddedSurface reference = make_embedded_surface(grid, ball, trim(grid, ball, {}));
+  for (const double scale : {1e-6, 1e6})
+    for (const double shift : {0.0, 1e4}) {
+      TriangleMesh moved = ball;
+      for (Point3& v : moved.vertices)
+        for (double& c : v) c = scale * (c + shift);
+      const SplineGrid moved_grid = grid_around(moved, 0.23 * scale, 2, 0.31);
+      const Trimming trimming = trim(moved_grid, moved, {});
+      const EmbeddedSurface s = make_embedded_surface(moved_grid, moved, trimming);
+      EXPECT_NEAR(expect_sound(moved_grid, moved, trimming, s), 0, 1e-10); // 1e4 sizes away leave 12 digits of position
+      EXPECT_EQ(s.vertex_span, reference.vertex_span);
+      EXPECT_EQ(s.quadrature.offsets, reference.quadrature.offsets);
+    }
+}
+
 TEST(SurfaceQuadratureParallel, DoesNotDependOnTheNumberOfThreads) {
   const TriangleMesh ball = sphere({0, 0, 0}, 1.0, 4);
   const SplineGrid grid = grid_around(ball, 0.11, 2, 0.3);
@@ -195,8 +216,8 @@ TEST(SurfaceQuadratureParallel, DoesNotDependOnTheNumberOfThreads) {
 
 TEST(SurfaceQuadratureParts, HoldsForSharedParts) {
   if (shared_part("valid").empty()) GTEST_SKIP() << "shared STL parts are absent";
-  for (const char* name : {"elephant.stl", "busted.STL", "plate_rot_t0.005.stl", "cube_theta0_aligned.stl", "7_8ths_cube.stl",
-                           "large_block_obb.STL", "Spool_Holder_x1.STL"}) {
+  for (const char* name : {"elephant.stl", "busted.STL", "plate_rot_t0.005.stl", "cube_theta0_aligned.stl",
+                           "7_8ths_cube.stl", "large_block_obb.STL", "Spool_Holder_x1.STL"}) {
     SCOPED_TRACE(name);
     const TriangleMesh mesh = read_stl(shared_part(std::string("valid/") + name));
     const SplineGrid grid = grid_with(mesh, 15, 2);

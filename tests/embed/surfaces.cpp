@@ -137,7 +137,7 @@ std::vector<Point3> read_corners(const std::filesystem::path& file) {
   std::vector<Point3> corners;
   std::uint32_t count = 0;
   if (bytes.size() >= 84) std::memcpy(&count, bytes.data() + 80, 4);
-  if (bytes.size() != 84 + 50 * std::size_t{count}) {  // ASCII
+  if (bytes.size() != 84 + 50 * std::size_t{count}) { // ASCII
     std::istringstream words(bytes);
     for (std::string word; words >> word;)
       if (Point3 p; word == "vertex" && words >> p[0] >> p[1] >> p[2]) corners.push_back(p);
@@ -174,7 +174,8 @@ TriangleMesh read_stl(const std::filesystem::path& file, double weld) {
     } else {
       const double w = weld * size;
       Index3 home;
-      for (std::size_t d = 0; d < 3; ++d) home[d] = static_cast<std::int64_t>(std::floor((corners[c][d] - lower[d]) / w));
+      for (std::size_t d = 0; d < 3; ++d)
+        home[d] = static_cast<std::int64_t>(std::floor((corners[c][d] - lower[d]) / w));
       for (std::int64_t q = 0; q < 27 && v < 0; ++q) {
         const auto it = cells.find({home[0] + q % 3 - 1, home[1] + q / 3 % 3 - 1, home[2] + q / 9 - 1});
         if (it == cells.end()) continue;

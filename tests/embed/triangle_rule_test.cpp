@@ -6,7 +6,9 @@
 namespace iga::prep {
 namespace {
 
-double factorial(int n) { return n < 2 ? 1.0 : n * factorial(n - 1); }
+double factorial(int n) {
+  return n < 2 ? 1.0 : n * factorial(n - 1);
+}
 
 class TriangleRule : public testing::TestWithParam<int> {};
 
