@@ -1,0 +1,266 @@
+#include "preprocessor/build_quadrature.hpp"
+
+#include "format/model/bspline_basis.hpp"
+#include "format/model/errors.hpp"
+#include "format/model/span_state.hpp"
+#include "preprocessor/moment_fitting.hpp"
+
+#include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+namespace iga::prep {
+
+namespace {
+
+// Active spans handled as one piece of work: long enough to keep the bookkeeping small, short enough to share evenly.
+constexpr std::size_t spans_per_block = 64;
+
+/// Rules of the trimmed spans of one block, in span order.
+struct Block {
+  std::vector<double> points, weights, residual;  ///< as SpanRule; residual one a span
+  std::vector<std::uint32_t> count;               ///< points of each trimmed span
+  QuadratureCounts counts;
+  std::vector<std::int64_t> failed;               ///< linear numbers of spans that missed the tolerance
+};
+
+bool is_interior(const Trimming& trimming, std::size_t active) {
+  return trimming.state[static_cast<std::size_t>(trimming.active[active])] == static_cast<std::uint8_t>(SpanState::Interior);
+}
+
+// Touched span that an active trimmed span is, for all active spans (unused for interior ones).
+std::vector<std::size_t> touched_of_active(const Trimming& trimming) {
+  std::vector<std::size_t> touched(trimming.active.size());
+  std::size_t t = 0;
+  for (std::size_t a = 0; a < touched.size(); ++a) {
+    if (is_interior(trimming, a)) continue;
+    while (trimming.pieces.spans[t] < trimming.active[a]) ++t;
+    touched[a] = t;
+  }
+  return touched;
+}
+
+Block fit_block(MomentFitter& fitter, const Trimming& trimming, const std::vector<std::size_t>& touched,
+                std::size_t first, std::size_t last, double tolerance) {
+  Block block;
+  for (std::size_t a = first; a < last; ++a) {
+    if (is_interior(trimming, a)) continue;
+    const SpanRule& rule = fitter.fit(touched[a]);
+    block.points.insert(block.points.end(), rule.points.begin(), rule.points.end());
+    block.weights.insert(block.weights.end(), rule.weights.begin(), rule.weights.end());
+    block.count.push_back(static_cast<std::uint32_t>(rule.weights.size()));
+    block.residual.push_back(rule.residual);
+    block.counts.box_spans += rule.shape == SpanShape::Box;
+    block.counts.prism_spans += rule.shape == SpanShape::Prism;
+    block.counts.fitted_spans += rule.shape == SpanShape::Free;
+    block.counts.refined_spans += rule.refined;
+    if (!(rule.residual <= tolerance) || rule.weights.empty()) block.failed.push_back(trimming.active[a]);
+  }
+  return block;
+}
+
+/// Tensor Gauss rule of a whole span, in spans.
+struct SpanGauss {
+  std::vector<Point3> points;
+  std::vector<double> weights;
+};
+
+SpanGauss span_gauss(const std::array<int, 3>& degree) {
+  std::array<const LineRule*, 3> g;
+  for (std::size_t d = 0; d < 3; ++d) g[d] = &gauss_legendre(degree[d] + 1);
+  SpanGauss rule;
+  for (std::size_t k = 0; k < g[2]->nodes.size(); ++k)
+    for (std::size_t j = 0; j < g[1]->nodes.size(); ++j)
+      for (std::size_t i = 0; i < g[0]->nodes.size(); ++i) {
+        rule.points.push_back({g[0]->nodes[i], g[1]->nodes[j], g[2]->nodes[k]});
+        rule.weights.push_back(g[0]->weights[i] * g[1]->weights[j] * g[2]->weights[k]);
+      }
+  return rule;
+}
+
+void report_failures(const std::vector<Block>& blocks, const SplineGrid& grid, const QuadratureOptions& options) {
+  std::vector<std::int64_t> failed;
+  for (const Block& block : blocks) failed.insert(failed.end(), block.failed.begin(), block.failed.end());
+  if (failed.empty()) return;
+  std::string list;
+  for (std::size_t f = 0; f < std::min<std::size_t>(failed.size(), 5); ++f) {
+    const Index3 ijk = grid.span_index(failed[f]);
+    list += fmt::format("{}({}, {}, {})", f ? ", " : "", ijk[0], ijk[1], ijk[2]);
+  }
+  throw NumericalError(fmt::format("{} trimmed span{} did not reach the moment residual {:.3g}: {}{}; choose another span "
+                                   "size or shift the grid, or raise --tolerance",
+                                   failed.size(), failed.size() == 1 ? "" : "s", options.tolerance, list,
+                                   failed.size() > 5 ? ", …" : ""));
+}
+
+} // namespace
+
+QuadratureResult build_quadrature(const SplineGrid& grid, const Trimming& trimming, const QuadratureOptions& options) {
+  for (int q : options.moment_degree)
+    if (q < 1 || q > max_moment_degree)
+      throw InputError(fmt::format("moment degree {} is not supported; choose 1 … {}", q, max_moment_degree));
+  if (options.interior_rule != "gauss")
+    throw InputError(fmt::format("interior rule '{}' is not known; choose gauss", options.interior_rule));
+  if (options.trimmed_rule != "nnls")
+    throw InputError(fmt::format("trimmed rule '{}' is not known; choose nnls", options.trimmed_rule));
+
+  const FarMoments far(grid, trimming, options.moment_degree);
+  const std::vector<std::size_t> touched = touched_of_active(trimming);
+  const std::size_t num_active = trimming.active.size();
+  std::vector<Block> blocks((num_active + spans_per_block - 1) / spans_per_block);
+  tbb::enumerable_thread_specific<MomentFitter> fitters(
+      [&] { return MomentFitter(grid, trimming, far, options.moment_degree, options.tolerance); });
+  std::atomic<std::int64_t> done{0};
+  tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
+    if (options.cancelled && options.cancelled()) throw Cancelled{};
+    const std::size_t first = b * spans_per_block, last = std::min(num_active, first + spans_per_block);
+    blocks[b] = fit_block(fitters.local(), trimming, touched, first, last, options.tolerance);
+    const std::int64_t now = done += static_cast<std::int64_t>(last - first);
+    if (options.progress) options.progress(now, static_cast<std::int64_t>(num_active));
+  });
+  report_failures(blocks, grid, options);
+
+  QuadratureResult result;
+  IntegrationPoints& points = result.points;
+  const SpanGauss gauss = span_gauss(grid.degree());
+  points.offsets.resize(num_active + 1, 0);
+  points.residual.resize(num_active, 0);
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    const Block& block = blocks[b];
+    std::size_t t = 0;
+    for (std::size_t a = b * spans_per_block; a < std::min(num_active, (b + 1) * spans_per_block); ++a) {
+      const bool interior = is_interior(trimming, a);
+      if (!interior) points.residual[a] = block.residual[t];
+      points.offsets[a + 1] =
+          points.offsets[a] + static_cast<std::int64_t>(interior ? gauss.weights.size() : block.count[t++]);
+    }
+    result.counts.box_spans += block.counts.box_spans;
+    result.counts.prism_spans += block.counts.prism_spans;
+    result.counts.fitted_spans += block.counts.fitted_spans;
+    result.counts.refined_spans += block.counts.refined_spans;
+  }
+  result.max_residual = num_active ? *std::max_element(points.residual.begin(), points.residual.end()) : 0;
+
+  const Point3 h = grid.span_size();
+  const double span_volume = grid.span_volume();
+  const auto total = static_cast<std::size_t>(points.offsets.back());
+  points.parameters.resize(3 * total);
+  points.weights.resize(total);
+  tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
+    Block& block = blocks[b];
+    std::size_t own = 0;
+    for (std::size_t a = b * spans_per_block; a < std::min(num_active, (b + 1) * spans_per_block); ++a) {
+      const Box3 box = grid.span_box(grid.span_index(trimming.active[a]));
+      const bool interior = is_interior(trimming, a);
+      for (auto g = static_cast<std::size_t>(points.offsets[a]); g < static_cast<std::size_t>(points.offsets[a + 1]); ++g) {
+        const std::size_t local = g - static_cast<std::size_t>(points.offsets[a]);
+        const double* t = interior ? gauss.points[local].data() : &block.points[3 * own];
+        points.weights[g] = span_volume * (interior ? gauss.weights[local] : block.weights[own]);
+        for (std::size_t d = 0; d < 3; ++d)
+          points.parameters[3 * g + d] = std::clamp(box.lower[d] + t[d] * h[d], box.lower[d], box.upper[d]);
+        if (!interior) ++own;
+      }
+    }
+    block = {};
+  });
+  return result;
+}
+
+FunctionMass function_mass(const SplineGrid& grid, const Trimming& trimming, const IntegrationPoints& points) {
+  const std::array<int, 3> p = grid.degree();
+  const Index3 n = grid.functions();
+  const Index3 spans = grid.spans();
+
+  // Functions that some active span supports, in ascending order: by rows, without anything of the size of the grid.
+  struct Entry {
+    std::int64_t function;
+    double mass;
+  };
+  const std::size_t num_active = trimming.active.size();
+  const std::size_t block_size = 4096;
+  std::vector<std::vector<Entry>> parts((num_active + block_size - 1) / block_size);
+  const auto merge = [](std::vector<Entry>& entries) {
+    std::stable_sort(entries.begin(), entries.end(), [](const Entry& x, const Entry& y) { return x.function < y.function; });
+    std::size_t last = 0;
+    for (std::size_t e = 1; e < entries.size(); ++e) {
+      if (entries[e].function == entries[last].function)
+        entries[last].mass += entries[e].mass;
+      else
+        entries[++last] = entries[e];
+    }
+    if (!entries.empty()) entries.resize(last + 1);
+  };
+  const auto local_size = static_cast<std::size_t>((p[0] + 1) * (p[1] + 1) * (p[2] + 1));
+  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t b) {
+    std::vector<double> mass(local_size);
+    std::array<std::array<double, max_degree + 1>, 3> N;
+    for (std::size_t a = b * block_size; a < std::min(num_active, (b + 1) * block_size); ++a) {
+      const Index3 ijk = grid.span_index(trimming.active[a]);
+      std::fill(mass.begin(), mass.end(), 0.0);
+      const auto accumulate = [&](double weight) {
+        std::size_t f = 0;
+        for (int z = 0; z <= p[2]; ++z)
+          for (int y = 0; y <= p[1]; ++y)
+            for (int x = 0; x <= p[0]; ++x)
+              mass[f++] += weight * N[0][static_cast<std::size_t>(x)] * N[1][static_cast<std::size_t>(y)] *
+                           N[2][static_cast<std::size_t>(z)];
+      };
+      if (is_interior(trimming, a)) {
+        for (std::size_t d = 0; d < 3; ++d)
+          integrate_basis(grid.knots(static_cast<int>(d)), ijk[d], std::span(N[d]).first(static_cast<std::size_t>(p[d] + 1)));
+        accumulate(1);
+      } else {
+        for (auto g = static_cast<std::size_t>(points.offsets[a]); g < static_cast<std::size_t>(points.offsets[a + 1]); ++g) {
+          for (std::size_t d = 0; d < 3; ++d)
+            evaluate_basis(grid.knots(static_cast<int>(d)), ijk[d], points.parameters[3 * g + d],
+                           std::span(N[d]).first(static_cast<std::size_t>(p[d] + 1)));
+          accumulate(points.weights[g]);
+        }
+      }
+      std::size_t f = 0;
+      for (int z = 0; z <= p[2]; ++z)
+        for (int y = 0; y <= p[1]; ++y)
+          for (int x = 0; x <= p[0]; ++x)
+            parts[b].push_back({ijk[0] + x + n[0] * (ijk[1] + y + n[1] * (ijk[2] + z)), mass[f++]});
+      if (parts[b].size() > (1u << 19)) merge(parts[b]);
+    }
+    merge(parts[b]);
+  });
+  std::vector<Entry> all;
+  for (auto& part : parts) {
+    all.insert(all.end(), part.begin(), part.end());
+    part = {};
+  }
+  merge(all);
+
+  // ∫ N over the whole grid is the product of the three univariate integrals.
+  std::array<std::vector<double>, 3> whole;
+  for (std::size_t d = 0; d < 3; ++d) {
+    const KnotVector& knots = grid.knots(static_cast<int>(d));
+    whole[d].assign(static_cast<std::size_t>(n[d]), 0.0);
+    std::array<double, max_degree + 1> integrals{};
+    for (std::int64_t e = 0; e < spans[d]; ++e) {
+      integrate_basis(knots, e, std::span(integrals).first(static_cast<std::size_t>(p[d] + 1)));
+      for (int a = 0; a <= p[d]; ++a)
+        whole[d][static_cast<std::size_t>(e + a)] += integrals[static_cast<std::size_t>(a)];
+    }
+  }
+  FunctionMass result;
+  result.functions.reserve(all.size());
+  result.mass_fraction.reserve(all.size());
+  for (const Entry& entry : all) {
+    const Index3 ijk = grid.function_index(entry.function);
+    const double full = whole[0][static_cast<std::size_t>(ijk[0])] * whole[1][static_cast<std::size_t>(ijk[1])] *
+                        whole[2][static_cast<std::size_t>(ijk[2])];
+    result.functions.push_back(entry.function);
+    result.mass_fraction.push_back(std::min(1.0, entry.mass / full));
+  }
+  return result;
+}
+
+} // namespace iga::prep
