@@ -110,8 +110,8 @@ H5Id simple_space(const Shape& shape) {
 
 H5Id string_type(std::size_t length) {
   H5Id type = type_id(H5Tcopy(H5T_C_S1));
-  H5Tset_size(type.get(), std::max<std::size_t>(length, 1));
-  H5Tset_strpad(type.get(), H5T_STR_NULLPAD);
+  H5Tset_size(type.get(), length);
+  H5Tset_strpad(type.get(), H5T_STR_NULLTERM);
   H5Tset_cset(type.get(), H5T_CSET_UTF8);
   return type;
 }
@@ -124,7 +124,7 @@ struct PackedTexts {
 
 PackedTexts pack(const std::vector<std::string>& values) {
   PackedTexts packed;
-  for (const auto& value : values) packed.length = std::max(packed.length, value.size());
+  for (const auto& value : values) packed.length = std::max(packed.length, value.size() + 1);
   packed.bytes.assign(std::max<std::size_t>(1, packed.length * values.size()), '\0');
   for (std::size_t i = 0; i < values.size(); ++i) values[i].copy(&packed.bytes[i * packed.length], packed.length);
   return packed;
