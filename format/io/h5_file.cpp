@@ -50,8 +50,10 @@ H5Id property_id(hid_t id) {
   return {id, H5Pclose};
 }
 
-// The library prints its own stack unless told otherwise, once per thread.
-void silence() {
+// The library prints its own stack unless told otherwise, once per thread; and at exit it would try once more to write
+// files that could not be closed.
+void prepare_library() {
+  [[maybe_unused]] static const herr_t once = H5dont_atexit();
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
@@ -187,10 +189,9 @@ std::int64_t H5Id::release() {
 // writing
 
 H5Writer::H5Writer(const std::filesystem::path& path) : replacement_(path) {
-  silence();
+  prepare_library();
   const H5Id access = property_id(H5Pcreate(H5P_FILE_ACCESS));
   H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110);
-  H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG);
   const H5Id create = property_id(H5Pcreate(H5P_FILE_CREATE));
   H5Pset_obj_track_times(create.get(), false);
   file_ = {H5Fcreate(replacement_.path().c_str(), H5F_ACC_TRUNC, create.get(), access.get()), H5Fclose};
@@ -198,27 +199,24 @@ H5Writer::H5Writer(const std::filesystem::path& path) : replacement_(path) {
 }
 
 H5Writer::~H5Writer() {
-  abandon();
+  if (file_.get() >= 0) discard_writes();
 }
 
-// A failed write leaves unwritten pages in the library, which would fail again at every further attempt to close the
-// file. The descriptor is pointed at memory instead, where the last writes succeed and are forgotten.
-void H5Writer::abandon() {
-  if (file_.get() < 0) return;
+// A failed write leaves pages in the library that it would try to write again while datasets and file are closed. The
+// descriptor is pointed at memory instead, where they succeed and are forgotten. The file itself is closed last, by the
+// destructor: closing it under open datasets would leave them without it.
+void H5Writer::discard_writes() {
   void* handle = nullptr;
-  if (H5Fget_vfd_handle(file_.get(), H5P_DEFAULT, &handle) >= 0 && handle) {
-    const int memory = memfd_create("discarded", MFD_CLOEXEC);
-    if (memory >= 0) {
-      dup2(memory, *static_cast<int*>(handle));
-      close(memory);
-    }
-  }
-  file_.reset();
+  if (H5Fget_vfd_handle(file_.get(), H5P_DEFAULT, &handle) < 0 || !handle) return;
+  const int memory = memfd_create("discarded", MFD_CLOEXEC);
+  if (memory < 0) return;
+  dup2(memory, *static_cast<int*>(handle));
+  close(memory);
 }
 
 void H5Writer::fail(std::string_view what) {
   const std::string reason = library_reason();
-  abandon();
+  if (file_.get() >= 0) discard_writes();
   const auto& target = replacement_.target();
   const auto folder = target.has_parent_path() ? target.parent_path().string() : std::string(".");
   throw InputError(fmt::format("{}: {} in folder {}: {}; nothing was changed, free space or choose another folder",
@@ -360,7 +358,7 @@ void H5Writer::commit() {
 // reading
 
 H5Reader::H5Reader(const std::filesystem::path& path) : name_(path.string()) {
-  silence();
+  prepare_library();
   std::error_code error;
   if (std::filesystem::is_directory(path, error))
     throw InputError(fmt::format("{}: is a folder, expected a file", name_));

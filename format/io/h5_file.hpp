@@ -83,7 +83,7 @@ class H5Writer {
   void write_attribute(const char* object, const char* name, std::int64_t type, const Shape* shape, const void* data);
   void write_texts(const char* object, const char* name, const std::vector<std::string>& values, bool scalar);
   [[noreturn]] void fail(std::string_view what);
-  void abandon();
+  void discard_writes();
 
   ReplacementFile replacement_;
   H5Id file_;

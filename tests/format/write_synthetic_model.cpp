@@ -8,8 +8,9 @@
 #include <fmt/format.h>
 #include <string_view>
 
-int main(int argc, char** argv) {
-  using namespace iga;
+using namespace iga;
+
+int main(int argc, char** argv) try {
   if (argc < 3) {
     std::fputs("usage: write_synthetic_model box|rotated|large FILE [spans per side]\n", stderr);
     return 2;
@@ -32,4 +33,7 @@ int main(int argc, char** argv) {
   const double check_time = seconds([&] { check(model); });
   fmt::print("{} points: written in {:.2f} s, read in {:.2f} s, checked in {:.2f} s\n", model.points.weights.size(),
              write, load, check_time);
+} catch (const std::exception& error) {
+  fmt::print(stderr, "{}\n", error.what());
+  return 2;
 }
