@@ -78,7 +78,8 @@ def _check_attribute(file, entry, symbols):
 def _check_dataset(file, entry, schema, symbols):
     path = entry["path"]
     if path not in file:
-        if entry["required"]:
+        too_long = "required_up_to" in entry and _evaluate(entry["shape"][0], symbols) > entry["required_up_to"]
+        if entry["required"] and not too_long:
             raise FormatError(f"{path}: is missing")
         return
     dataset = file[path]
@@ -209,6 +210,18 @@ class Model:
     def _split(numbers, extents):
         return np.stack([numbers % extents[0], numbers // extents[0] % extents[1], numbers // (extents[0] * extents[1])], 1)
 
+    def control_points(self, numbers):
+        """Control points of functions by number: numbers.shape + (3,). A very fine grid's file leaves the table out; its
+        rows are the positions of the Greville parameters."""
+        if "/patch/control_points" in self.data:
+            return self["/patch/control_points"][numbers]
+        ijk = self._split(numbers.ravel(), self.functions)
+        u = np.stack([sum(self.knots[d][ijk[:, d] + a] for a in range(1, self.degree[d] + 1)) / self.degree[d]
+                      for d in range(3)], 1)
+        patch = self.attributes["/patch"]
+        centre = (patch["A"] + patch["B"]) / 2
+        return (centre + (u - centre) @ patch["rotation"].T).reshape(*numbers.shape, 3)
+
     def shape_functions(self, group="/quadrature"):
         """Blocks (slice, numbers (n, m), values (n, m)) of the m = product of (p + 1) functions at a group's points."""
         spans, parameters = self.point_spans(group), self[group + "/parameters"]
@@ -229,14 +242,14 @@ class Model:
         """Positions of a group's points from x(u) = sum N_i(u) P_i: (n, 3)."""
         x = np.empty_like(self[group + "/parameters"])
         for block, numbers, N in self.shape_functions(group):
-            x[block] = np.einsum("qi,qid->qd", N, self["/patch/control_points"][numbers])
+            x[block] = np.einsum("qi,qid->qd", N, self.control_points(numbers))
         return x
 
     def vertex_positions(self):
         """Positions of the surface's vertices from their parameters: (n, 3)."""
         spans = self._split(self["/surface/vertex_span"], self.spans)
         numbers, N = self.functions_at(spans, self["/surface/vertex_parameters"])
-        return np.einsum("qi,qid->qd", N, self["/patch/control_points"][numbers])
+        return np.einsum("qi,qid->qd", N, self.control_points(numbers))
 
     def volume_integrals(self):
         """Volume, centroid (3) and second moments about the centroid (3, 3), from the points alone."""

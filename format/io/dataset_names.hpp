@@ -27,6 +27,8 @@ constexpr std::array<DatasetText, 3> knots{
     {{"/patch/knots_u", "parameter", "ascending", "open knot vector along u; n_spans + 2 degree + 1 values"},
      {"/patch/knots_v", "parameter", "ascending", "open knot vector along v; n_spans + 2 degree + 1 values"},
      {"/patch/knots_w", "parameter", "ascending", "open knot vector along w; n_spans + 2 degree + 1 values"}}};
+/// A finer grid goes without the table: it would outweigh everything else in the file, and readers can make its rows.
+constexpr std::int64_t most_control_points = std::int64_t{1} << 24;
 constexpr DatasetText control_points{"/patch/control_points", "length",
                                      "(function; x y z); functions with u fastest, then v, then w",
                                      "P_i of x(u) = sum N_i(u) P_i: the positions of the Greville parameters"};

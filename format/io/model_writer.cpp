@@ -40,6 +40,7 @@ void write_patch(H5Writer& file, const SplineGrid& grid) {
     const auto knots = grid.knots(d).values();
     file.dataset(names::knots[static_cast<std::size_t>(d)], {static_cast<std::int64_t>(knots.size())}, knots);
   }
+  if (grid.num_functions() > names::most_control_points) return;
   const ControlPoints points(grid);
   file.rows(names::control_points, grid.num_functions(), 3,
             [&](std::int64_t first, std::span<double> block) { points.fill(first, block); });

@@ -56,6 +56,14 @@ TEST(ModelFile, GivesBackLongTexts) {
   test::expect_equal(io::read_model(folder / "part.h5"), model);
 }
 
+TEST(ModelFile, OfAVeryFineGridHoldsNoTableOfControlPoints) {
+  const test::TempFolder folder;
+  const TrimmedModel model = make_box_model(test::very_fine_case());
+  io::write_model(folder / "part.h5", model);
+  EXPECT_LT(std::filesystem::file_size(folder / "part.h5"), model.state.size());
+  test::expect_equal(io::read_model(folder / "part.h5"), model);
+}
+
 TEST(ModelFile, HasTheSameBytesEachTime) {
   const test::TempFolder folder;
   const TrimmedModel model = make_box_model();

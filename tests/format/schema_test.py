@@ -224,6 +224,13 @@ class ReaderTest(unittest.TestCase):
             np.testing.assert_allclose(normal, 0, atol=1e-12)
             self.assertAlmostEqual(enclosed, size.prod(), delta=1e-12 * size.prod())
 
+    def test_control_points_of_a_very_fine_grid(self):
+        subprocess.run([WRITER, "fine", self.path / "fine.h5"], check=True, capture_output=True)
+        model = iga_model.read(self.path / "fine.h5")
+        self.assertNotIn("/patch/control_points", model.data)
+        # Positions about 1e6 from the origin are known to 1e-10.
+        np.testing.assert_allclose(model.vertex_positions(), model["/surface/vertices"], atol=1e-8)
+
     def test_command(self):
         command = [sys.executable, SOURCE / "scripts" / "iga_model.py"]
         good = subprocess.run([*command, self.path / "box.h5", "--json"], capture_output=True, text=True)

@@ -12,7 +12,7 @@ using namespace iga;
 
 int main(int argc, char** argv) try {
   if (argc < 3) {
-    std::fputs("usage: write_synthetic_model box|rotated|large FILE [spans per side]\n", stderr);
+    std::fputs("usage: write_synthetic_model box|rotated|fine|large FILE [spans per side]\n", stderr);
     return 2;
   }
   const std::string_view kind = argv[1];
@@ -21,6 +21,7 @@ int main(int argc, char** argv) try {
     box.rotation = test::some_rotation(0.4);
     box.degree = {1, 3, 4};
   }
+  if (kind == "fine") box = test::very_fine_case();
   const TrimmedModel model =
       kind == "large" ? test::make_large_model(argc > 3 ? std::atoll(argv[3]) : 60) : test::make_box_model(box);
   const auto seconds = [](auto work) {

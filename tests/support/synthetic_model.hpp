@@ -23,6 +23,9 @@ TrimmedModel make_box_model(const BoxCase& box = {});
 /// A solid box with many points for measuring: n³ interior spans of degree 2 inside a margin of two spans.
 TrimmedModel make_large_model(std::int64_t n);
 
+/// A small box in a grid too fine for a table of control points.
+BoxCase very_fine_case();
+
 /// Gauss–Legendre on [0, 1] with n = 1 … 5 points: (position, weight).
 std::vector<std::pair<double, double>> gauss_rule(int n);
 
