@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Holds the writer, the C++ reader and the Python reader against schema/model.toml, and the Python reader against what is
 known of a box in closed form.  usage: schema_test.py SOURCE_DIR WRITE_SYNTHETIC_MODEL IGASOLVE"""
+import json
 import shutil
 import subprocess
 import sys
@@ -74,6 +75,14 @@ class SchemaTest(unittest.TestCase):
                 for entry in SCHEMA["attribute"]:
                     self.assertIn(entry["name"], file[entry["object"]].attrs)
             self.assertEqual(check(self.path / f"{kind}.h5")[0], 0)
+
+    def test_the_readme_names_everything(self):
+        text = (SOURCE / "schema" / "README.md").read_text()
+        for entry in SCHEMA["dataset"]:
+            name, shape = entry["path"].rsplit("/", 1)[1], ", ".join(entry["shape"])
+            self.assertIn(f"| `{name}` | {entry['dtype']} | {shape} | {entry['unit']} |", text)
+        for entry in SCHEMA["attribute"]:
+            self.assertIn(f"`{entry['name']}`", text)
 
     def test_a_missing_group_is_refused(self):
         for entry in SCHEMA["group"]:
@@ -197,6 +206,55 @@ class SchemaTest(unittest.TestCase):
                 code, text = check(self.changed(set_value(path, index, value)))
                 self.assertEqual(code, 3, text)
                 self.assertIn(word, text)
+
+
+class CommandTest(unittest.TestCase):
+    """igasolve's exit codes and reports."""
+
+    setUpClass = classmethod(SchemaTest.setUpClass.__func__)
+    tearDownClass = classmethod(SchemaTest.tearDownClass.__func__)
+
+    def run_command(self, *arguments):
+        done = subprocess.run([IGASOLVE, *arguments], capture_output=True, text=True)
+        return done.returncode, done.stdout, done.stderr
+
+    def test_info(self):
+        code, text, errors = self.run_command("info", self.path / "rotated.h5", "--json")
+        self.assertEqual((code, errors), (0, ""))
+        report = json.loads(text)
+        self.assertEqual(report["spans"], {"interior": 2, "trimmed": 22, "exterior": 96})
+        self.assertEqual(report["grid"]["degree"], [1, 3, 4])
+        self.assertAlmostEqual(report["volume"]["weights"], 11.2, delta=1e-12)
+        self.assertEqual(len(report["surface"]["regions"]), 6)
+        self.assertEqual(report["provenance"]["inputs"][1]["name"], "größe µ.stl")
+        code, text, _ = self.run_command("info", self.path / "rotated.h5")
+        for word in ("2 interior, 22 trimmed, 96 exterior", "11.2 mm³", "w+: 2 triangles, area 7", "igaprep"):
+            self.assertIn(word, text)
+
+    def test_check(self):
+        code, text, errors = self.run_command("check", self.path / "box.h5", "--json")
+        self.assertEqual((code, errors), (0, ""))
+        self.assertTrue(json.loads(text)["sound"])
+        broken = self.path / "broken.h5"
+        broken.write_bytes((self.path / "box.h5").read_bytes()[:5000])
+        for command in ("check", "info"):
+            code, _, errors = self.run_command(command, broken)
+            self.assertEqual(code, 3)
+            self.assertIn("broken.h5", errors)
+        code, text, _ = self.run_command("check", broken, "--json")
+        self.assertEqual(code, 3)
+        self.assertFalse(json.loads(text)["sound"])
+
+    def test_usage(self):
+        self.assertEqual(self.run_command("info", "missing.h5")[0], 2)
+        self.assertIn("No such file", self.run_command("check", "missing.h5")[2])
+        self.assertEqual(self.run_command()[0], 2)
+        self.assertEqual(self.run_command("melt", "part.h5")[0], 2)
+        self.assertEqual(self.run_command("info")[0], 2)
+        self.assertEqual(self.run_command("info", "a.h5", "--json", "--quiet")[0], 2)
+        self.assertEqual(self.run_command("--version")[0], 0)
+        self.assertIn("Exit codes", self.run_command("--help")[1])
+        self.assertEqual(self.run_command("info", self.path / "box.h5", "--quiet"), (0, "", ""))
 
 
 class ReaderTest(unittest.TestCase):
