@@ -41,7 +41,7 @@ ReplacementFile::ReplacementFile(std::filesystem::path target) : target_(std::mo
   if (std::filesystem::is_symlink(target_, error)) target_ = std::filesystem::weakly_canonical(target_, error);
   if (std::filesystem::exists(target_, error) && !std::filesystem::is_regular_file(target_, error))
     throw InputError(fmt::format("{}: is not an ordinary file and cannot be replaced by one", target_.string()));
-  std::string name = (folder_of(target_) / ("." + target_.filename().string() + ".tmp-XXXXXX")).string();
+  std::string name = (folder_of(target_) / fmt::format(".{}.tmp-XXXXXX", target_.filename().string())).string();
   const int fd = mkostemp(name.data(), O_CLOEXEC);
   if (fd < 0) fail(target_, "no file can be made");
   temporary_ = name;

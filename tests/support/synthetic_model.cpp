@@ -217,7 +217,8 @@ TrimmedModel make_box_model(const BoxCase& box) {
 }
 
 BoxCase very_fine_case() {
-  return {{0, 0, 0}, {1'900'000, 2, 2}, {1'900'000, 2, 2}, {1, 1, 1}, some_rotation(0.4), {7.25, 0.5, 0.5}, {11.5, 1.5, 1.25}};
+  return {{0, 0, 0},          {1'900'000, 2, 2}, {1'900'000, 2, 2}, {1, 1, 1},
+          some_rotation(0.4), {7.25, 0.5, 0.5},  {11.5, 1.5, 1.25}};
 }
 
 TrimmedModel make_large_model(std::int64_t n) {
