@@ -29,12 +29,13 @@ struct SplineCurve {
   std::vector<double> coefficients;  ///< (n)
 };
 
-/// Value of the curve at u. @pre knots[degree] <= u <= knots[n]
+/// Value of the curve at u. @throws InputError unless knots[degree] <= u <= knots[n]
 double evaluate(const SplineCurve& curve, double u);
 /// The same curve with `u` inserted once. Boehm (1980); Piegl & Tiller (1997), equation 5.15.
+/// @throws InputError where u lies outside the curve or its multiplicity already equals the degree
 SplineCurve insert_knot(const SplineCurve& curve, double u);
-/// The same curve with the degree raised by one; every knot's multiplicity grows by one. Works on any knot vector
-/// (through its Bézier segments).
+/// The same curve with the degree raised by one; every knot's multiplicity grows by one. Works on any clamped knot
+/// vector with inner multiplicities up to the degree (through polar forms: Ramshaw 1989).
 SplineCurve elevate_degree(const SplineCurve& curve);
 
 } // namespace iga

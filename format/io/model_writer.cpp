@@ -1,0 +1,145 @@
+#include "format/io/control_points.hpp"
+#include "format/io/dataset_names.hpp"
+#include "format/io/trimmed_model_io.hpp"
+
+namespace iga::io {
+
+namespace {
+
+template <class T> std::span<const T> view(const std::vector<T>& values) {
+  return values;
+}
+
+// (n) and (n × m) arrays of numbers; the number of rows follows from the array itself.
+template <class T>
+void write(H5Writer& file, const DatasetText& text, const std::vector<T>& values, std::int64_t columns = 1) {
+  const std::int64_t rows = static_cast<std::int64_t>(values.size()) / columns;
+  file.dataset(text, columns == 1 ? Shape{rows} : Shape{rows, columns}, view(values));
+}
+
+std::span<const double> flat(const std::vector<Point3>& points) {
+  return {points.empty() ? nullptr : points.front().data(), 3 * points.size()};
+}
+
+std::span<const std::int32_t> flat(const std::vector<Triangle>& triangles) {
+  return {triangles.empty() ? nullptr : triangles.front().data(), 3 * triangles.size()};
+}
+
+void write_patch(H5Writer& file, const SplineGrid& grid) {
+  file.group(names::patch, "the B-spline grid: x(u) = sum N_i(u) P_i = C + R (u - C), C = (A + B) / 2");
+  const auto degree = grid.degree();
+  const std::array<std::int32_t, 3> p{degree[0], degree[1], degree[2]};
+  const Index3 spans = grid.spans();
+  const Rotation& R = grid.rotation();
+  file.attribute<std::int32_t>(names::patch, "degree", {3}, p);
+  file.attribute<std::int64_t>(names::patch, "spans", {3}, spans);
+  file.attribute<double>(names::patch, "A", {3}, grid.A());
+  file.attribute<double>(names::patch, "B", {3}, grid.B());
+  file.attribute<double>(names::patch, "rotation", {3, 3}, std::span(R.front().data(), 9));
+  for (int d = 0; d < 3; ++d) {
+    const auto knots = grid.knots(d).values();
+    file.dataset(names::knots[static_cast<std::size_t>(d)], {static_cast<std::int64_t>(knots.size())}, knots);
+  }
+  if (grid.num_functions() > names::most_control_points) return;
+  const ControlPoints points(grid);
+  file.rows(names::control_points, grid.num_functions(), 3,
+            [&](std::int64_t first, std::span<double> block) { points.fill(first, block); });
+}
+
+void write_spans(H5Writer& file, const TrimmedModel& m) {
+  const Index3 n = m.grid.spans();
+  file.group(names::spans, "which knot spans hold material");
+  file.enums(names::state, {n[2], n[1], n[0]}, m.state, names::states);
+  write(file, names::active_spans, m.active);
+  write(file, names::volume_fraction, m.volume_fraction);
+}
+
+void write_quadrature(H5Writer& file, const TrimmedModel& m) {
+  const char* group = names::quadrature;
+  const QuadratureInfo& q = m.quadrature;
+  const std::array<std::int32_t, 3> moment_degree{q.moment_degree[0], q.moment_degree[1], q.moment_degree[2]};
+  file.group(group, "quadrature of the solid: points inside it with positive weights");
+  file.attribute(group, "interior_rule", q.interior_rule);
+  file.attribute(group, "trimmed_rule", q.trimmed_rule);
+  file.attribute<std::int32_t>(group, "moment_degree", {3}, moment_degree);
+  file.attribute(group, "tolerance", q.tolerance);
+  file.attribute(group, "max_residual", q.max_residual);
+  file.attribute(group, "sliver_tolerance", q.sliver_tolerance);
+  file.attribute(group, "min_fraction", q.min_fraction);
+  file.attribute(group, "part_volume", q.part_volume);
+  file.attribute(group, "snapped_volume", q.snapped_volume);
+  file.attribute(group, "dropped_volume", q.dropped_volume);
+  file.attribute(group, "snapped_spans", q.snapped_spans);
+  file.attribute(group, "dropped_spans", q.dropped_spans);
+  write(file, names::point_offsets, m.points.offsets);
+  write(file, names::point_parameters, m.points.parameters, 3);
+  write(file, names::point_weights, m.points.weights);
+  write(file, names::residual, m.points.residual);
+}
+
+void write_functions(H5Writer& file, const TrimmedModel& m) {
+  file.group(names::functions, "the B-spline functions that touch material");
+  write(file, names::active_functions, m.active_functions);
+  write(file, names::mass_fraction, m.mass_fraction);
+}
+
+void write_surface(H5Writer& file, const EmbeddedSurface& s) {
+  file.group(names::surface, "the embedded surface, tied to the grid");
+  file.attribute(names::surface, "accepted_leak", s.accepted_leak);
+  file.dataset(names::vertices, {static_cast<std::int64_t>(s.mesh.vertices.size()), 3}, flat(s.mesh.vertices));
+  write(file, names::vertex_parameters, s.vertex_parameters, 3);
+  write(file, names::vertex_span, s.vertex_span);
+  file.dataset(names::triangles, {static_cast<std::int64_t>(s.mesh.triangles.size()), 3}, flat(s.mesh.triangles));
+  write(file, names::region, s.mesh.region);
+  file.strings(names::regions, s.mesh.region_names);
+  file.group(names::surface_quadrature, "quadrature of the surface: its triangles cut at the span faces");
+  write(file, names::surface_offsets, s.quadrature.offsets);
+  write(file, names::surface_parameters, s.quadrature.parameters, 3);
+  write(file, names::surface_weights, s.quadrature.weights);
+  write(file, names::surface_normals, s.quadrature.normals, 3);
+  write(file, names::surface_triangle, s.quadrature.triangle);
+}
+
+void write_provenance(H5Writer& file, const Provenance& p) {
+  const char* group = names::provenance;
+  std::vector<std::string> input_names, hashes, stages;
+  std::vector<double> seconds;
+  for (const InputFile& input : p.inputs) {
+    input_names.push_back(input.name);
+    hashes.push_back(input.sha256);
+  }
+  for (const auto& [stage, time] : p.timings) {
+    stages.push_back(stage);
+    seconds.push_back(time);
+  }
+  file.group(group, "who made this file from what");
+  file.attribute(group, "producer", p.producer);
+  file.attribute(group, "version", p.version);
+  file.attribute(group, "command_line", p.command_line);
+  file.attribute(group, "created", p.created);
+  file.attribute(group, "settings_sha256", p.settings_sha256);
+  file.attribute(group, "input_names", input_names);
+  file.attribute(group, "input_sha256", hashes);
+  file.strings(names::timing_stages, stages);
+  write(file, names::timing_seconds, seconds);
+  file.strings(names::findings, p.findings);
+}
+
+} // namespace
+
+void write_model(const std::filesystem::path& path, const TrimmedModel& model) {
+  H5Writer file(path);
+  file.attribute(names::root, "format", std::string(names::format));
+  file.attribute(names::root, "format_version", std::string(names::format_version));
+  file.attribute(names::root, "length_unit", model.length_unit);
+  file.attribute(names::root, "title", model.title);
+  write_patch(file, model.grid);
+  write_spans(file, model);
+  write_quadrature(file, model);
+  write_functions(file, model);
+  write_surface(file, model.surface);
+  write_provenance(file, model.provenance);
+  file.commit();
+}
+
+} // namespace iga::io

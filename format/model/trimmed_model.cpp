@@ -1,0 +1,117 @@
+// check(TrimmedModel): shapes first, because everything else indexes by them; then states, volume, functions, surface.
+#include "format/model/trimmed_model.hpp"
+
+#include "format/model/model_check.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace iga {
+
+namespace detail {
+
+Point3 parameter_rounding(const SplineGrid& grid) {
+  double largest = 0;
+  for (std::size_t d = 0; d < 3; ++d) largest = std::max({largest, std::abs(grid.A()[d]), std::abs(grid.B()[d])});
+  Point3 rounding{};
+  // Sixteen units in the last place cover the subtraction of C, the rotation and a clamp.
+  for (std::size_t d = 0; d < 3; ++d)
+    rounding[d] = 16 * std::numeric_limits<double>::epsilon() * largest / grid.span_size()[d];
+  return rounding;
+}
+
+double volume_rounding(const SplineGrid& grid) {
+  const Point3 r = parameter_rounding(grid);
+  return 1e-12 + r[0] + r[1] + r[2];
+}
+
+std::int64_t find_active(const TrimmedModel& model, std::int64_t span) {
+  const auto it = std::lower_bound(model.active.begin(), model.active.end(), span);
+  return it != model.active.end() && *it == span ? it - model.active.begin() : -1;
+}
+
+bool in_closed_span(const SplineGrid& grid, const Index3& span, const double* u, const Point3& rounding) {
+  for (std::size_t d = 0; d < 3; ++d) {
+    const auto& knots = grid.knots(static_cast<int>(d));
+    const double slack = std::max(inside_tolerance, rounding[d]) * grid.span_size()[d];
+    if (!(u[d] >= knots.lower(span[d]) - slack && u[d] <= knots.upper(span[d]) + slack)) return false;
+  }
+  return true;
+}
+
+void check_offsets(const std::vector<std::int64_t>& offsets, std::size_t count, ProblemKind& kind) {
+  if (offsets.front() != 0) kind.add("the first offset is {}, expected 0", offsets.front());
+  for (std::size_t a = 1; a < offsets.size(); ++a)
+    if (offsets[a] < offsets[a - 1]) kind.add("offset {} falls from {} to {}", a, offsets[a - 1], offsets[a]);
+  if (offsets.back() != static_cast<std::int64_t>(count))
+    kind.add("the last offset is {}, expected the number of points {}", offsets.back(), count);
+}
+
+} // namespace detail
+
+namespace {
+
+using detail::ProblemKind;
+
+template <class T>
+void expect_size(const std::vector<T>& array, std::size_t expected, const char* name, ProblemKind& kind) {
+  if (array.size() != expected) kind.add("{} has {} entries, expected {}", name, array.size(), expected);
+}
+
+bool shapes_fit(const TrimmedModel& m, int limit, std::vector<std::string>& problems) {
+  ProblemKind kind(problems, limit, "shape");
+  for (std::size_t d = 0; d < 3; ++d)
+    if (m.grid.spans()[d] < 1) kind.add("the grid has no spans along {}", "uvw"[d]);
+  if (!kind.empty()) return false;
+  const std::size_t active = m.active.size(), points = m.points.weights.size();
+  const auto& s = m.surface;
+  const std::size_t surface_points = s.quadrature.weights.size(), vertices = s.mesh.vertices.size();
+  expect_size(m.state, static_cast<std::size_t>(m.grid.num_spans()), "spans/state", kind);
+  expect_size(m.volume_fraction, active, "spans/volume_fraction", kind);
+  expect_size(m.points.offsets, active + 1, "quadrature/offsets", kind);
+  expect_size(m.points.parameters, 3 * points, "quadrature/parameters", kind);
+  expect_size(m.points.residual, active, "quadrature/residual", kind);
+  expect_size(m.mass_fraction, m.active_functions.size(), "functions/mass_fraction", kind);
+  expect_size(s.vertex_parameters, 3 * vertices, "surface/vertex_parameters", kind);
+  expect_size(s.vertex_span, vertices, "surface/vertex_span", kind);
+  expect_size(s.mesh.region, s.mesh.triangles.size(), "surface/region", kind);
+  expect_size(s.quadrature.offsets, active + 1, "surface/quadrature/offsets", kind);
+  expect_size(s.quadrature.parameters, 3 * surface_points, "surface/quadrature/parameters", kind);
+  expect_size(s.quadrature.normals, 3 * surface_points, "surface/quadrature/normals", kind);
+  expect_size(s.quadrature.triangle, surface_points, "surface/quadrature/triangle", kind);
+  if (active == 0) kind.add("no span is active");
+  if (s.mesh.region_names.empty()) kind.add("surface/regions is empty, expected at least one region");
+  return kind.empty();
+}
+
+bool states_fit(const TrimmedModel& m, int limit, std::vector<std::string>& problems) {
+  ProblemKind kind(problems, limit, "spans/state against spans/active");
+  auto next = m.active.begin();
+  for (std::size_t e = 0; e < m.state.size(); ++e) {
+    if (m.state[e] == 0) continue;
+    if (m.state[e] > 2) kind.add("span {} has state {}, expected 0, 1 or 2", e, m.state[e]);
+    // Where the two lists part, every later span would be reported too: stop at the first difference.
+    if (next == m.active.end() || *next != static_cast<std::int64_t>(e)) {
+      kind.add("span {} is not exterior but entry {} of spans/active is {}", e, next - m.active.begin(),
+               next == m.active.end() ? std::string("missing") : fmt::to_string(*next));
+      return false;
+    }
+    ++next;
+  }
+  if (next != m.active.end())
+    kind.add("entry {} of spans/active is {}, expected no further span", next - m.active.begin(), *next);
+  return kind.empty();
+}
+
+} // namespace
+
+std::vector<std::string> check(const TrimmedModel& model, int limit) {
+  std::vector<std::string> problems;
+  if (!shapes_fit(model, limit, problems) || !states_fit(model, limit, problems)) return problems;
+  detail::check_volume(model, limit, problems);
+  detail::check_functions(model, limit, problems);
+  detail::check_surface(model, limit, problems);
+  return problems;
+}
+
+} // namespace iga

@@ -1,0 +1,61 @@
+#!/usr/bin/python3
+"""Holds the sources to the dependency rule: format/model <- format/io <- {preprocessor, solver}; the two tools never
+include each other; HDF5 is known to one file; CGAL stays out of headers, so that one slow file does not slow all."""
+import re
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+LAYERS = {  # folder: what its files may include from this repository
+    "format/model": ["format/model"],
+    "format/io": ["format/model", "format/io"],
+    "preprocessor": ["format", "preprocessor"],
+    "solver": ["format", "solver"],
+    "samples": ["format", "preprocessor", "solver", "samples", "tests/support"],
+    "tests": ["format", "preprocessor", "solver", "samples", "tests"],
+}
+OURS = ("format/", "preprocessor/", "solver/", "samples/", "tests/")
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
+
+
+def problems_of(path, text):
+    """Sentences about one source file; `path` is relative to the repository."""
+    name = path.as_posix()
+    folder = next(layer for layer in LAYERS if name.startswith(layer + "/"))
+    for number, line in enumerate(text.splitlines(), 1):
+        match = INCLUDE.match(line)
+        if not match:
+            continue
+        bracket, target = match.groups()
+        where = f"{name}:{number}"
+        if bracket == '"':
+            if not target.startswith(OURS):
+                yield f'{where}: "{target}" does not start at the repository\'s root'
+            elif not any(target.startswith(layer + "/") for layer in LAYERS[folder]):
+                yield f'{where}: {folder} may not include "{target}"'
+        if re.match(r"(hdf5|H5\w*)\.h$", target) and name != "format/io/h5_file.cpp":
+            yield f"{where}: HDF5 belongs to format/io/h5_file.cpp alone"
+        if target.startswith("CGAL/"):
+            if folder in ("format/model", "format/io", "solver"):
+                yield f"{where}: {folder} must not know CGAL"
+            if path.suffix == ".hpp" and not name.startswith("preprocessor/surface_"):
+                yield f"{where}: CGAL may not appear in a header (preprocessor/surface_*.hpp excepted)"
+        if folder == "format/model" and re.match(r"(Eigen|tbb|CLI|toml\+\+|openssl)/", target):
+            yield f"{where}: format/model stands on the standard library and fmt alone"
+
+
+def main():
+    problems, files = [], 0
+    for folder in LAYERS:
+        for path in sorted((ROOT / folder).rglob("*")):
+            if path.suffix in (".hpp", ".cpp"):
+                files += 1
+                problems += problems_of(path.relative_to(ROOT), path.read_text())
+    for problem in sorted(set(problems)):
+        print(problem, file=sys.stderr)
+    print(f"{files} files, {len(set(problems))} problems")
+    return 1 if problems or files == 0 else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,335 @@
+#!/usr/bin/python3
+"""Independent reader of the interchange file: h5py and numpy alone, held against schema/model.toml.
+
+As a command:  scripts/iga_model.py part.h5 [--json]     validates the file and prints what its points say
+As a module:   model = iga_model.read("part.h5");  model.positions(), model.volume_integrals(), model.mass_fractions()
+"""
+import argparse
+import ast
+import json
+import operator
+import sys
+import tomllib
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+SCHEMA = Path(__file__).resolve().parent.parent / "schema" / "model.toml"
+COMPRESS_ABOVE = 64 * 1024  # bytes
+BLOCK = 100_000  # points whose basis values are held at a time
+
+
+class FormatError(Exception):
+    """The file breaks the schema."""
+
+
+# ----------------------------------------------------------------------------------------------------------- validation
+
+def _evaluate(expression, symbols):
+    """Value of a sum and product of numbers and symbols."""
+    operators = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul}
+
+    def value(node):
+        if isinstance(node, ast.BinOp):
+            return operators[type(node.op)](value(node.left), value(node.right))
+        return node.value if isinstance(node, ast.Constant) else symbols[node.id]
+
+    return value(ast.parse(expression, mode="eval").body)
+
+
+def _dtype_name(dtype):
+    if h5py.check_string_dtype(dtype) is not None:
+        return "string"
+    if h5py.check_enum_dtype(dtype) is not None:
+        return "enum"
+    return f"{dtype.kind}{8 * dtype.itemsize}"
+
+
+def _text(value):
+    return value.decode("utf-8") if isinstance(value, bytes) else str(value)
+
+
+def _expect_shape(path, expressions, found, symbols):
+    if len(found) != len(expressions):
+        raise FormatError(f"{path}: has shape {found}, expected {len(expressions)} extents ({', '.join(expressions)})")
+    for expression, extent in zip(expressions, found):
+        if expression.isidentifier() and expression not in symbols:
+            symbols[expression] = extent
+        expected = _evaluate(expression, symbols)
+        if extent != expected:
+            raise FormatError(f"{path}: has shape {found}, expected ({', '.join(expressions)}) with {expression} = {expected}")
+
+
+def _check_attribute(file, entry, symbols):
+    path = f"{entry['object']} attribute {entry['name']}"
+    attributes = file[entry["object"]].attrs
+    if entry["name"] not in attributes:
+        if entry["required"]:
+            raise FormatError(f"{path}: is missing")
+        return
+    attribute = attributes.get_id(entry["name"])
+    dtype = _dtype_name(attribute.dtype)
+    if dtype != entry["dtype"]:
+        raise FormatError(f"{path}: holds {dtype}, expected {entry['dtype']}")
+    _expect_shape(path, entry["shape"], attribute.shape, symbols)
+
+
+def _check_dataset(file, entry, schema, symbols):
+    path = entry["path"]
+    if path not in file:
+        too_long = "required_up_to" in entry and _evaluate(entry["shape"][0], symbols) > entry["required_up_to"]
+        if entry["required"] and not too_long:
+            raise FormatError(f"{path}: is missing")
+        return
+    dataset = file[path]
+    if not isinstance(dataset, h5py.Dataset):
+        raise FormatError(f"{path}: is a group, expected a dataset")
+    dtype = _dtype_name(dataset.dtype)
+    if dtype != entry["dtype"]:
+        raise FormatError(f"{path}: holds {dtype}, expected {entry['dtype']}")
+    if dtype == "enum" and h5py.check_enum_dtype(dataset.dtype) != schema["enum"][entry["enum"]]:
+        raise FormatError(f"{path}: names {h5py.check_enum_dtype(dataset.dtype)}, expected {schema['enum'][entry['enum']]}")
+    _expect_shape(path, entry["shape"], dataset.shape, symbols)
+
+
+def validate(file):
+    """Holds an open file against schema/model.toml; returns the symbols' values. Raises FormatError."""
+    schema = tomllib.loads(SCHEMA.read_text())
+    found = _text(file.attrs.get("format", "")), _text(file.attrs.get("format_version", ""))
+    major = schema["format_version"].split(".")[0]
+    if found[0] != schema["format"] or found[1].split(".")[0] != major:
+        raise FormatError(f"/: format {found[0]!r} and format_version {found[1]!r}, "
+                          f"expected {schema['format']!r} and {major}.x")
+    absent = []
+    for group in schema["group"]:
+        if group["path"] not in file:
+            if group["required"]:
+                raise FormatError(f"{group['path']}: is missing; expected a group")
+            absent.append(group["path"])
+    symbols = {}
+    for entry in schema["attribute"]:
+        if entry["object"] not in absent:
+            _check_attribute(file, entry, symbols)
+    for name, source in schema["symbols"].items():
+        symbols[name] = int(file["/patch"].attrs[source["attribute"]][source["index"]])
+    for entry in schema["dataset"]:
+        _check_dataset(file, entry, schema, symbols)
+    return symbols
+
+
+def validate_storage(file):
+    """What a writer owes beyond a reader's needs: texts on every dataset, checksums, compression, nothing unlisted."""
+    schema = tomllib.loads(SCHEMA.read_text())
+    listed = {entry["path"]: entry for entry in schema["dataset"]}
+    groups = {entry["path"] for entry in schema["group"]}
+    attributes = {(entry["object"], entry["name"]) for entry in schema["attribute"]}
+
+    def visit(name, item):
+        path = "/" + name
+        names = set(item.attrs) - {name for owner, name in attributes if owner == path} - {"description"}
+        if isinstance(item, h5py.Group):
+            if path not in groups or not item.attrs.get("description"):
+                raise FormatError(f"{path}: is not in the schema or has no description")
+        else:
+            names -= {"unit", "order"}
+            entry = listed.get(path)
+            if entry is None:
+                raise FormatError(f"{path}: is not in the schema")
+            for key in ("unit", "order"):
+                if _text(item.attrs.get(key, "")) != entry[key]:
+                    raise FormatError(f"{path} attribute {key}: is {item.attrs.get(key)!r}, expected {entry[key]!r}")
+            if not _text(item.attrs.get("description", "")):
+                raise FormatError(f"{path}: has no description")
+            if item.chunks is None or not item.fletcher32:
+                raise FormatError(f"{path}: is not chunked with a Fletcher-32 checksum")
+            packed = item.compression == "gzip" and item.shuffle
+            if item.size * item.dtype.itemsize > COMPRESS_ABOVE and not packed:
+                raise FormatError(f"{path}: is larger than 64 KiB and not compressed")
+        if names:
+            raise FormatError(f"{path}: has attributes beyond the schema: {sorted(names)}")
+
+    file.visititems(visit)
+
+
+# ------------------------------------------------------------------------------------------------------------- the basis
+
+def basis(knots, degree, span, u):
+    """Values of the degree + 1 functions that live on `span` (array) at `u` (array): (n, degree + 1).
+
+    Cox-de Boor recursion written from its definition, N_{i,0} = 1 on its knot interval; function span + a in column a.
+    """
+    span, u = np.asarray(span), np.asarray(u, float)
+    k = span + degree  # knots[k] <= u <= knots[k + 1]
+    values = np.zeros((len(u), degree + 1))
+    values[:, degree] = 1.0  # N_{k,0}; column degree + i - k holds N_i
+    for q in range(1, degree + 1):
+        raised = np.zeros_like(values)
+        for column in range(degree - q, degree + 1):
+            i = k - degree + column
+            left = knots[i + q] - knots[i]
+            raised[:, column] += np.where(left > 0, (u - knots[i]) / np.where(left > 0, left, 1), 0) * values[:, column]
+            if column < degree:
+                right = knots[i + q + 1] - knots[i + 1]
+                raised[:, column] += (np.where(right > 0, (knots[i + q + 1] - u) / np.where(right > 0, right, 1), 0)
+                                      * values[:, column + 1])
+        values = raised
+    return values
+
+
+class Model:
+    """A file's arrays under the names of their datasets: model["/quadrature/weights"]; attributes by model.attribute()."""
+
+    def __init__(self, path):
+        with h5py.File(path, "r") as file:
+            self.symbols = validate(file)
+            self.attributes = {("/" + name): dict(file[name].attrs) for name in ("patch", "quadrature", "surface")}
+            self.attributes["/"] = dict(file.attrs)
+            self.data = {}
+            file.visititems(lambda name, item: self.data.update({"/" + name: item[()]})
+                            if isinstance(item, h5py.Dataset) else None)
+        patch = self.attributes["/patch"]
+        self.degree = [int(p) for p in patch["degree"]]
+        self.spans = [int(n) for n in patch["spans"]]
+        self.functions = [n + p for n, p in zip(self.spans, self.degree)]
+        self.knots = [self["/patch/knots_" + d] for d in "uvw"]
+
+    def __getitem__(self, path):
+        return self.data[path]
+
+    def attribute(self, owner, name):
+        value = self.attributes[owner][name]
+        return _text(value) if isinstance(value, (bytes, str)) else value
+
+    def point_spans(self, group="/quadrature"):
+        """Index triples (i, j, k) of the spans that own the points of a group: (n, 3)."""
+        owners = np.repeat(self["/spans/active"], np.diff(self[group + "/offsets"]))
+        return self._split(owners, self.spans)
+
+    @staticmethod
+    def _split(numbers, extents):
+        return np.stack([numbers % extents[0], numbers // extents[0] % extents[1], numbers // (extents[0] * extents[1])], 1)
+
+    def control_points(self, numbers):
+        """Control points of functions by number: numbers.shape + (3,). A very fine grid's file leaves the table out; its
+        rows are the positions of the Greville parameters."""
+        if "/patch/control_points" in self.data:
+            return self["/patch/control_points"][numbers]
+        ijk = self._split(numbers.ravel(), self.functions)
+        u = np.stack([sum(self.knots[d][ijk[:, d] + a] for a in range(1, self.degree[d] + 1)) / self.degree[d]
+                      for d in range(3)], 1)
+        patch = self.attributes["/patch"]
+        centre = (patch["A"] + patch["B"]) / 2
+        return (centre + (u - centre) @ patch["rotation"].T).reshape(*numbers.shape, 3)
+
+    def shape_functions(self, group="/quadrature"):
+        """Blocks (slice, numbers (n, m), values (n, m)) of the m = product of (p + 1) functions at a group's points."""
+        spans, parameters = self.point_spans(group), self[group + "/parameters"]
+        for first in range(0, len(spans), BLOCK):
+            block = slice(first, min(first + BLOCK, len(spans)))
+            yield block, *self.functions_at(spans[block], parameters[block])
+
+    def functions_at(self, spans, parameters):
+        """Numbers (n, m) and values (n, m) of the functions of given spans (n, 3) at given parameters (n, 3)."""
+        values = [basis(self.knots[d], self.degree[d], spans[:, d], parameters[:, d]) for d in range(3)]
+        N = np.einsum("qc,qb,qa->qcba", values[2], values[1], values[0]).reshape(len(parameters), -1)
+        i, j, k = (spans[:, d, None] + np.arange(self.degree[d] + 1) for d in range(3))
+        n_u, n_v, _ = self.functions
+        numbers = i[:, None, None, :] + n_u * (j[:, None, :, None] + n_v * k[:, :, None, None])
+        return numbers.reshape(len(parameters), -1), N
+
+    def positions(self, group="/quadrature"):
+        """Positions of a group's points from x(u) = sum N_i(u) P_i: (n, 3)."""
+        x = np.empty_like(self[group + "/parameters"])
+        for block, numbers, N in self.shape_functions(group):
+            x[block] = np.einsum("qi,qid->qd", N, self.control_points(numbers))
+        return x
+
+    def vertex_positions(self):
+        """Positions of the surface's vertices from their parameters: (n, 3)."""
+        spans = self._split(self["/surface/vertex_span"], self.spans)
+        numbers, N = self.functions_at(spans, self["/surface/vertex_parameters"])
+        return np.einsum("qi,qid->qd", N, self.control_points(numbers))
+
+    def volume_integrals(self):
+        """Volume, centroid (3) and second moments about the centroid (3, 3), from the points alone."""
+        x, w = self.positions(), self["/quadrature/weights"]
+        volume = w.sum()
+        origin = x[0]  # far from the coordinates' origin no digits are lost
+        centroid = origin + (w[:, None] * (x - origin)).sum(0) / volume
+        r = x - centroid
+        return volume, centroid, np.einsum("q,qa,qb->ab", w, r, r)
+
+    def surface_integrals(self):
+        """Area per region, the vector integral of n, and the enclosed volume from the integral of x.n / 3."""
+        group = "/surface/quadrature"
+        w, n = self[group + "/weights"], self[group + "/normals"]
+        x = self.positions(group)
+        region = self["/surface/region"][self[group + "/triangle"]]
+        area = np.bincount(region, w, len(self["/surface/regions"]))
+        return area, (w[:, None] * n).sum(0), (w * ((x - x[0]) * n).sum(1)).sum() / 3
+
+    def mass_fractions(self):
+        """Integral of N over the solid divided by its integral over the grid, of the active functions."""
+        total = np.zeros(np.prod(self.functions))
+        for block, numbers, N in self.shape_functions():
+            np.add.at(total, numbers.ravel(), (N * self["/quadrature/weights"][block, None]).ravel())
+        active = self["/functions/active"]
+        whole = np.ones(len(active))
+        for d, index in enumerate(self._split(active, self.functions).T):
+            p = self.degree[d]
+            whole *= (self.knots[d][index + p + 1] - self.knots[d][index]) / (p + 1)
+        return total[active] / whole
+
+
+def read(path):
+    """Model of a file that obeys schema/model.toml. Raises FormatError naming the path, what was found and expected."""
+    return Model(path)
+
+
+def summary(model):
+    volume, centroid, second = model.volume_integrals()
+    area, normal, enclosed = model.surface_integrals()
+    state = model["/spans/state"]
+    inertia = np.trace(second) * np.eye(3) - second
+    return {
+        "title": model.attribute("/", "title"),
+        "length_unit": model.attribute("/", "length_unit"),
+        "degree": model.degree,
+        "spans": {"total": int(state.size), "interior": int((state == 1).sum()), "trimmed": int((state == 2).sum())},
+        "points": len(model["/quadrature/weights"]),
+        "volume": volume,
+        "part_volume": float(model.attribute("/quadrature", "part_volume")),
+        "centroid": centroid.tolist(),
+        "inertia": inertia.tolist(),
+        "mass_fraction_error": float(np.abs(model.mass_fractions() - model["/functions/mass_fraction"]).max()),
+        "vertex_position_error": float(np.abs(model.vertex_positions() - model["/surface/vertices"]).max()),
+        "regions": {_text(name): a for name, a in zip(model["/surface/regions"], area.tolist())},
+        "surface_normal_integral": normal.tolist(),
+        "enclosed_volume": enclosed,
+    }
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("model", help="model file made by igaprep")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    arguments = parser.parse_args()
+    try:
+        report = summary(read(arguments.model))
+    except FormatError as error:
+        print(f"{arguments.model}: {error}", file=sys.stderr)
+        return 3
+    except OSError as error:
+        print(f"{arguments.model}: {error}", file=sys.stderr)
+        return 2 if isinstance(error, FileNotFoundError) else 3
+    if arguments.json:
+        print(json.dumps(report))
+    else:
+        for key, value in report.items():
+            print(f"{key:24} {value}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

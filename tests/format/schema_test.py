@@ -1,0 +1,300 @@
+#!/usr/bin/python3
+"""Holds the writer, the C++ reader and the Python reader against schema/model.toml, and the Python reader against what is
+known of a box in closed form.  usage: schema_test.py SOURCE_DIR WRITE_SYNTHETIC_MODEL IGASOLVE"""
+import json
+import shutil
+import subprocess
+import sys
+import tempfile
+import tomllib
+import unittest
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+SOURCE, WRITER, IGASOLVE = (Path(argument) for argument in sys.argv[1:4])
+sys.path.insert(0, str(SOURCE / "scripts"))
+import iga_model  # noqa: E402
+
+SCHEMA = tomllib.loads((SOURCE / "schema" / "model.toml").read_text())
+WRONG_TYPE = {"f64": np.float32, "i64": np.int32, "i32": np.int64, "enum": np.uint8, "string": np.float64}
+
+
+def check(path):
+    """Exit code and words of igasolve check."""
+    done = subprocess.run([IGASOLVE, "check", path], capture_output=True, text=True)
+    return done.returncode, done.stdout + done.stderr
+
+
+class SchemaTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.path = Path(cls.folder.name)
+        for kind in ("box", "rotated"):
+            subprocess.run([WRITER, kind, cls.path / f"{kind}.h5"], check=True, capture_output=True)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def changed(self, change):
+        """A copy of the box model after change(file)."""
+        copy = self.path / "changed.h5"
+        shutil.copyfile(self.path / "box.h5", copy)
+        with h5py.File(copy, "r+") as file:
+            change(file)
+        return copy
+
+    def expect_refused(self, change, *words):
+        copy = self.changed(change)
+        code, text = check(copy)
+        self.assertEqual(code, 3, text)
+        self.assertNotIn("HDF5-DIAG", text)
+        for word in words:
+            self.assertIn(word, text)
+        with self.assertRaises(iga_model.FormatError) as caught:
+            iga_model.read(copy)
+        for word in words:
+            self.assertIn(word, str(caught.exception))
+
+    def expect_accepted(self, change):
+        copy = self.changed(change)
+        code, text = check(copy)
+        self.assertEqual(code, 0, text)
+        iga_model.read(copy)
+
+    def test_writer_keeps_the_schema(self):
+        for kind in ("box", "rotated"):
+            with h5py.File(self.path / f"{kind}.h5") as file:
+                iga_model.validate(file)
+                iga_model.validate_storage(file)
+                for entry in SCHEMA["dataset"] + SCHEMA["group"]:
+                    self.assertIn(entry["path"], file)
+                for entry in SCHEMA["attribute"]:
+                    self.assertIn(entry["name"], file[entry["object"]].attrs)
+            self.assertEqual(check(self.path / f"{kind}.h5")[0], 0)
+
+    def test_the_readme_names_everything(self):
+        text = (SOURCE / "schema" / "README.md").read_text()
+        for entry in SCHEMA["dataset"]:
+            name, shape = entry["path"].rsplit("/", 1)[1], ", ".join(entry["shape"])
+            self.assertIn(f"| `{name}` | {entry['dtype']} | {shape} | {entry['unit']} |", text)
+        for entry in SCHEMA["attribute"]:
+            self.assertIn(f"`{entry['name']}`", text)
+
+    def test_a_missing_group_is_refused(self):
+        for entry in SCHEMA["group"]:
+            with self.subTest(entry["path"]):
+                def change(file):
+                    del file[entry["path"]]
+                self.expect_refused(change, entry["path"]) if entry["required"] else self.expect_accepted(change)
+
+    def test_a_missing_dataset_is_refused(self):
+        for entry in SCHEMA["dataset"]:
+            if entry["path"] == "/provenance/timing_seconds":
+                continue  # belongs to timing_stages
+            with self.subTest(entry["path"]):
+                def change(file):
+                    del file[entry["path"]]
+                self.expect_refused(change, entry["path"]) if entry["required"] else self.expect_accepted(change)
+
+    def test_a_dataset_of_another_rank_is_refused(self):
+        for entry in SCHEMA["dataset"]:
+            with self.subTest(entry["path"]):
+                def change(file):
+                    data, dtype = file[entry["path"]][()], file[entry["path"]].dtype
+                    del file[entry["path"]]
+                    file.create_dataset(entry["path"], data=data[..., None], dtype=dtype)
+                self.expect_refused(change, entry["path"], "shape")
+
+    def test_a_longer_dataset_is_refused(self):
+        for entry in SCHEMA["dataset"]:
+            if entry["path"] in ("/surface/regions", "/provenance/timing_stages", "/provenance/findings"):
+                continue  # lists of names may be longer than what uses them
+            with self.subTest(entry["path"]):
+                def change(file):
+                    data, dtype = file[entry["path"]][()], file[entry["path"]].dtype
+                    del file[entry["path"]]
+                    file.create_dataset(entry["path"], data=np.concatenate([data, data[-1:]]), dtype=dtype)
+                copy = self.changed(change)
+                code, text = check(copy)
+                self.assertEqual(code, 3, text)
+
+    def test_another_type_is_refused(self):
+        for entry in SCHEMA["dataset"]:
+            with self.subTest(entry["path"]):
+                def change(file):
+                    shape = file[entry["path"]].shape
+                    del file[entry["path"]]
+                    file.create_dataset(entry["path"], data=np.ones(shape, WRONG_TYPE[entry["dtype"]]))
+                self.expect_refused(change, entry["path"], "expected")
+
+    def test_a_missing_attribute_is_refused(self):
+        for entry in SCHEMA["attribute"]:
+            if entry["name"].startswith("input_"):
+                continue  # the two belong together
+            with self.subTest(entry["object"] + " " + entry["name"]):
+                def change(file):
+                    del file[entry["object"]].attrs[entry["name"]]
+                if entry["required"]:
+                    self.expect_refused(change, entry["name"])
+                else:
+                    self.expect_accepted(change)
+
+    def test_an_attribute_of_another_kind_is_refused(self):
+        for entry in SCHEMA["attribute"]:
+            with self.subTest(entry["object"] + " " + entry["name"]):
+                def change(file):
+                    attributes = file[entry["object"]].attrs
+                    shape = attributes.get_id(entry["name"]).shape
+                    del attributes[entry["name"]]
+                    if entry["dtype"] == "string":
+                        attributes.create(entry["name"], np.ones(shape))
+                    else:
+                        attributes.create(entry["name"], np.full(shape, b"text"))
+                self.expect_refused(change, entry["name"])
+
+    def test_an_attribute_of_another_shape_is_refused(self):
+        for entry in SCHEMA["attribute"]:
+            with self.subTest(entry["object"] + " " + entry["name"]):
+                def change(file):
+                    attributes = file[entry["object"]].attrs
+                    data = np.asarray(attributes[entry["name"]])
+                    del attributes[entry["name"]]
+                    attributes.create(entry["name"], np.repeat(data.reshape(1, -1), 2, axis=0))
+                copy = self.changed(change)
+                code, text = check(copy)
+                self.assertEqual(code, 3, text)
+
+    def test_versions(self):
+        def version(text):
+            def change(file):
+                file.attrs["format_version"] = text
+            return change
+        self.expect_accepted(version("1.7"))
+        for text in ("2.0", "", "10.0"):
+            self.expect_refused(version(text), "version")
+
+    def test_what_users_add_is_ignored(self):
+        def change(file):
+            file["notes"] = "measured on Tuesday"
+            file["spans/colour"] = np.arange(5)
+            file["quadrature"].attrs["mine"] = 7
+        self.expect_accepted(change)
+
+    def test_an_impossible_shape_is_refused_without_the_memory(self):
+        def change(file):
+            del file["/quadrature/weights"]
+            file.create_dataset("/quadrature/weights", shape=(2**40,), dtype="f8", chunks=(4096,))
+        code, text = check(self.changed(change))
+        self.assertEqual(code, 3, text)
+
+    def test_a_damaged_model_names_its_problem(self):
+        def set_value(path, index, value):
+            def change(file):
+                file[path][index] = value
+            return change
+        cases = [("/quadrature/weights", 0, -1.0, "weights"), ("/quadrature/parameters", (0, 0), 99.0, "parameters"),
+                 ("/spans/active", 0, 0, "spans/active"), ("/functions/active", 0, 0, "functions/active"),
+                 ("/patch/knots_u", 4, 0.5, "knots_u"), ("/patch/control_points", (7, 1), 3.3, "control_points"),
+                 ("/surface/region", 0, 77, "region"), ("/surface/triangles", (0, 0), -1, "triangle"),
+                 ("/spans/volume_fraction", 3, np.nan, "volume_fraction")]
+        for path, index, value, word in cases:
+            with self.subTest(path):
+                code, text = check(self.changed(set_value(path, index, value)))
+                self.assertEqual(code, 3, text)
+                self.assertIn(word, text)
+
+
+class CommandTest(unittest.TestCase):
+    """igasolve's exit codes and reports."""
+
+    setUpClass = classmethod(SchemaTest.setUpClass.__func__)
+    tearDownClass = classmethod(SchemaTest.tearDownClass.__func__)
+
+    def run_command(self, *arguments):
+        done = subprocess.run([IGASOLVE, *arguments], capture_output=True, text=True)
+        return done.returncode, done.stdout, done.stderr
+
+    def test_info(self):
+        code, text, errors = self.run_command("info", self.path / "rotated.h5", "--json")
+        self.assertEqual((code, errors), (0, ""))
+        report = json.loads(text)
+        self.assertEqual(report["spans"], {"interior": 2, "trimmed": 22, "exterior": 96})
+        self.assertEqual(report["grid"]["degree"], [1, 3, 4])
+        self.assertAlmostEqual(report["volume"]["weights"], 11.2, delta=1e-12)
+        self.assertEqual(len(report["surface"]["regions"]), 6)
+        self.assertEqual(report["provenance"]["inputs"][1]["name"], "größe µ.stl")
+        code, text, _ = self.run_command("info", self.path / "rotated.h5")
+        for word in ("2 interior, 22 trimmed, 96 exterior", "11.2 mm³", "w+: 2 triangles, area 7", "igaprep"):
+            self.assertIn(word, text)
+
+    def test_check(self):
+        code, text, errors = self.run_command("check", self.path / "box.h5", "--json")
+        self.assertEqual((code, errors), (0, ""))
+        self.assertTrue(json.loads(text)["sound"])
+        broken = self.path / "broken.h5"
+        broken.write_bytes((self.path / "box.h5").read_bytes()[:5000])
+        for command in ("check", "info"):
+            code, _, errors = self.run_command(command, broken)
+            self.assertEqual(code, 3)
+            self.assertIn("broken.h5", errors)
+        code, text, _ = self.run_command("check", broken, "--json")
+        self.assertEqual(code, 3)
+        self.assertFalse(json.loads(text)["sound"])
+
+    def test_usage(self):
+        self.assertEqual(self.run_command("info", "missing.h5")[0], 2)
+        self.assertIn("No such file", self.run_command("check", "missing.h5")[2])
+        self.assertEqual(self.run_command()[0], 2)
+        self.assertEqual(self.run_command("melt", "part.h5")[0], 2)
+        self.assertEqual(self.run_command("info")[0], 2)
+        self.assertEqual(self.run_command("info", "a.h5", "--json", "--quiet")[0], 2)
+        self.assertEqual(self.run_command("--version")[0], 0)
+        self.assertIn("Exit codes", self.run_command("--help")[1])
+        self.assertEqual(self.run_command("info", self.path / "box.h5", "--quiet"), (0, "", ""))
+
+
+class ReaderTest(unittest.TestCase):
+    """Volume, centroid and inertia from the points alone against the box's closed form."""
+
+    setUpClass = classmethod(SchemaTest.setUpClass.__func__)
+    tearDownClass = classmethod(SchemaTest.tearDownClass.__func__)
+
+    def test_box(self):
+        lower, upper, centre = np.array([1.25, 1.5, 1]), np.array([4.75, 3.5, 2.6]), np.array([3, 2.5, 2])
+        size = upper - lower
+        for kind in ("box", "rotated"):
+            model = iga_model.read(self.path / f"{kind}.h5")
+            R = model.attribute("/patch", "rotation")
+            volume, centroid, second = model.volume_integrals()
+            self.assertAlmostEqual(volume, size.prod(), delta=1e-12 * size.prod())
+            np.testing.assert_allclose(centroid, centre + R @ ((lower + upper) / 2 - centre), atol=1e-12)
+            expected = R @ np.diag(size.prod() * size**2 / 12) @ R.T
+            np.testing.assert_allclose(second, expected, atol=1e-11)
+            np.testing.assert_allclose(model.mass_fractions(), model["/functions/mass_fraction"], rtol=1e-12)
+            np.testing.assert_allclose(model.vertex_positions(), model["/surface/vertices"], atol=1e-12)
+            area, normal, enclosed = model.surface_integrals()
+            faces = [size[1] * size[2], size[2] * size[0], size[0] * size[1]]
+            np.testing.assert_allclose(area, np.repeat(faces, 2), rtol=1e-12)
+            np.testing.assert_allclose(normal, 0, atol=1e-12)
+            self.assertAlmostEqual(enclosed, size.prod(), delta=1e-12 * size.prod())
+
+    def test_control_points_of_a_very_fine_grid(self):
+        subprocess.run([WRITER, "fine", self.path / "fine.h5"], check=True, capture_output=True)
+        model = iga_model.read(self.path / "fine.h5")
+        self.assertNotIn("/patch/control_points", model.data)
+        # Positions about 1e6 from the origin are known to 1e-10.
+        np.testing.assert_allclose(model.vertex_positions(), model["/surface/vertices"], atol=1e-8)
+
+    def test_command(self):
+        command = [sys.executable, SOURCE / "scripts" / "iga_model.py"]
+        good = subprocess.run([*command, self.path / "box.h5", "--json"], capture_output=True, text=True)
+        self.assertEqual(good.returncode, 0, good.stderr)
+        self.assertEqual(subprocess.run([*command, "missing.h5"], capture_output=True).returncode, 2)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
