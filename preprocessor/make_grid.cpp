@@ -105,10 +105,6 @@ void check_part_inside(const TriangleMesh& mesh, const SplineGrid& grid) {
 GridChoice grid_in_box(const TriangleMesh& mesh, const GridOptions& options) {
   const auto& [A, B] = *options.box;
   const Point3 sides = sides_of({A, B});
-  for (std::size_t d = 0; d < 3; ++d)
-    if (!std::isfinite(sides[d]) || !(sides[d] > 0))
-      throw InputError(fmt::format("the box is empty along {}: from {} to {}; B must lie beyond A in every direction",
-                                   "xyz"[d], A[d], B[d]));
   const Point3 h = wanted_size(options, sides);
   GridChoice choice;
   Point3 counts;
@@ -142,8 +138,14 @@ void check_options(const GridOptions& options) {
       throw InputError(fmt::format("degree = {}: supported degrees are 1 … {}", p, max_degree));
   if (options.margin && *options.margin < 0)
     throw InputError(fmt::format("margin = {}: the margin is a number of whole spans, 0 or more", *options.margin));
-  if (options.margin && options.box)
+  if (!options.box) return;
+  if (options.margin)
     throw InputError("margin and box are both given; an explicit box is the whole grid: leave the margin out");
+  const auto& [A, B] = *options.box;
+  for (std::size_t d = 0; d < 3; ++d)
+    if (!std::isfinite(B[d] - A[d]) || !(B[d] > A[d]))
+      throw InputError(fmt::format("the box is empty along {}: from {} to {}; B must lie beyond A in every direction",
+                                   "xyz"[d], A[d], B[d]));
 }
 
 GridChoice make_grid(const TriangleMesh& mesh, const GridOptions& options) {

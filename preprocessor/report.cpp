@@ -11,6 +11,8 @@ namespace iga::prep {
 
 namespace {
 
+constexpr double shown_seconds = 0.01;  // shorter stages do not matter to the reader
+
 std::string text(const Point3& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p[0], p[1], p[2]); }
 
 Point3 sides_of(const Box3& box) {
@@ -18,6 +20,8 @@ Point3 sides_of(const Box3& box) {
 }
 
 std::string times(const Index3& n) { return fmt::format("{} × {} × {}", n[0], n[1], n[2]); }
+
+std::string count(std::int64_t n, const char* one, const char* many) { return fmt::format("{} {}", n, n == 1 ? one : many); }
 
 double total_seconds(const PrepReport& r) {
   double sum = 0;
@@ -55,8 +59,8 @@ std::string human_report(const PrepReport& r) {
   line("part", fmt::format("{}, {}", r.input, r.format));
   line("box", fmt::format("{:.6g} × {:.6g} × {:.6g}{}, from {} to {}", sides_of(r.part_box)[0], sides_of(r.part_box)[1],
                           sides_of(r.part_box)[2], unit, text(r.part_box.lower), text(r.part_box.upper)));
-  line("surface", fmt::format("{} triangles, {} region(s), {} body(ies), {} cavity(ies), area {:.6g}", r.triangles, r.regions,
-                              r.bodies, r.cavities, r.area));
+  line("surface", fmt::format("{} triangles, {}, {}, {}, area {:.6g}", r.triangles, count(r.regions, "region", "regions"),
+                              count(r.bodies, "body", "bodies"), count(r.cavities, "cavity", "cavities"), r.area));
   const Point3 h = r.grid.span_size();
   line("grid", fmt::format("{} spans of {:.6g} × {:.6g} × {:.6g}, degree {} {} {}", times(r.grid.spans()), h[0], h[1], h[2],
                            r.grid.degree()[0], r.grid.degree()[1], r.grid.degree()[2]));
@@ -81,8 +85,9 @@ std::string human_report(const PrepReport& r) {
                                r.offset->light_after, r.offset->evaluations));
   for (const std::string& finding : r.findings) line("found", finding);
   std::string stages;
-  for (const auto& [stage, seconds] : r.timings) stages += fmt::format("{}{} {:.3g}", stages.empty() ? "" : ", ", stage, seconds);
-  line("time", fmt::format("{:.3g} s ({})", total_seconds(r), stages));
+  for (const auto& [stage, seconds] : r.timings)
+    if (seconds >= shown_seconds) stages += fmt::format("{}{} {:.2f}", stages.empty() ? ": " : ", ", stage, seconds);
+  line("time", fmt::format("{:.2f} s{}", total_seconds(r), stages));
   line("memory", fmt::format("{:.0f} MiB at most", r.peak_memory_mib));
   line("written", r.output);
   return out;

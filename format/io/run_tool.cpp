@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <fmt/format.h>
 #include <new>
+#include <system_error>
 
 namespace iga::io {
 
@@ -24,6 +25,8 @@ int run_tool(const std::string& name, const std::function<int()>& work) {
     return fail(exit_numerical, fmt::format("error: {}", error.what()));
   } catch (const Interrupted&) {
     return fail(128 + pending_signal(), "interrupted; no file was changed");
+  } catch (const std::system_error& error) {
+    return fail(exit_input, fmt::format("error: {}", error.what()));
   } catch (const std::bad_alloc&) {
     return fail(exit_input, "error: the memory of this machine is not enough; choose larger spans");
   } catch (const std::exception& error) {
