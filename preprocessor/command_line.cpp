@@ -8,6 +8,7 @@
 #include <charconv>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <map>
 
 namespace iga::prep {
 
@@ -29,8 +30,23 @@ margin, rotation, rotate_axis_angle, optimise_offset; [trim] sliver_tolerance, m
 Exit codes: 0 done, 1 fault of the program, 2 input, usage or file access, 3 a file breaks the schema, 4 a method did not
 reach its tolerance, 130 and 143 interrupted (no file is changed).)";
 
-// Options that take one value or three; their values are joined by commas so that a file name may follow them.
-const std::vector<std::string> one_or_three{"--degree", "--span-size", "--spans", "--moment-degree"};
+// Numbers that follow these flags are joined by commas to one word: a file name may then follow a list of open length,
+// and a negative number is not taken for a flag.
+const std::map<std::string, std::size_t> most_values{{"--degree", 3},
+                                                     {"--span-size", 3},
+                                                     {"--spans", 3},
+                                                     {"--moment-degree", 3},
+                                                     {"--box", 6},
+                                                     {"--rotation", 9},
+                                                     {"--rotate-axis-angle", 4},
+                                                     {"--scale", 1},
+                                                     {"--margin", 1},
+                                                     {"--wrap-alpha", 1},
+                                                     {"--wrap-offset", 1},
+                                                     {"--region-angle", 1},
+                                                     {"--sliver-tolerance", 1},
+                                                     {"--min-fraction", 1},
+                                                     {"--tolerance", 1}};
 
 template <class T> std::optional<T> parsed(std::string_view text) {
   T value{};
@@ -49,9 +65,10 @@ std::vector<std::string> join_values(int argc, const char* const* argv) {
   std::vector<std::string> out;
   for (int i = 1; i < argc; ++i) {
     out.emplace_back(argv[i]);
-    if (std::find(one_or_three.begin(), one_or_three.end(), out.back()) == one_or_three.end()) continue;
+    const auto flag = most_values.find(out.back());
+    if (flag == most_values.end()) continue;
     std::vector<std::string> values;
-    while (i + 1 < argc && values.size() < 3 && is_value(argv[i + 1])) values.emplace_back(argv[++i]);
+    while (i + 1 < argc && values.size() < flag->second && is_value(argv[i + 1])) values.emplace_back(argv[++i]);
     if (!values.empty()) out.back() += fmt::format("={}", fmt::join(values, ","));
   }
   return out;
@@ -73,38 +90,44 @@ template <class T> std::vector<T> list_of(const std::string& flag, const std::st
 
 // Where every flag's text lands before it is converted.
 struct Raw {
-  std::optional<std::string> file, degree, span_size, spans, moment_degree;
+  std::optional<std::string> file, degree, span_size, spans, moment_degree, box, rotation, rotate_axis_angle;
 };
 
 void add_options(CLI::App& app, Raw& raw, TypedSettings& t, CommandLine& line) {
   app.add_option("file", raw.file, "Surface (.stl, .obj, .ply, .off) or settings file (.toml)");
   app.add_option("--input", t.input, "Surface file, where a settings file comes first")->type_name("FILE");
-  app.add_option("-o,--output", t.output, "Model file [name of the surface].h5 in the current folder")->type_name("FILE");
+  app.add_option("-o,--output", t.output, "Model file [name of the surface].h5 in the current folder")
+      ->type_name("FILE");
 
   const std::string surface = "Surface";
   app.add_option("--scale", t.scale, "Factor on all coordinates [1]")->group(surface);
   app.add_option("--length-unit", t.length_unit, "Label of the length unit, e.g. mm")->group(surface);
   app.add_option("--title", t.title, "Title in the file [name of the surface]")->group(surface);
-  app.add_flag("--repair,!--no-repair", t.repair, "Allow changes of shape: fill holes, resolve self-intersections, unite bodies")
+  app.add_flag("--repair,!--no-repair", t.repair,
+               "Allow changes of shape: fill holes, resolve self-intersections, unite bodies")
       ->group(surface);
   app.add_flag("--wrap,!--no-wrap", t.wrap, "Last resort: alpha wrapping")->group(surface);
-  app.add_option("--wrap-alpha", t.wrap_alpha, "Smallest detail of the wrapping, length [diagonal / 200]")->group(surface);
+  app.add_option("--wrap-alpha", t.wrap_alpha, "Smallest detail of the wrapping, length [diagonal / 200]")
+      ->group(surface);
   app.add_option("--wrap-offset", t.wrap_offset, "Distance of the wrapping, length [alpha / 30]")->group(surface);
   app.add_option("--region-angle", t.region_angle, "Split regions at edges sharper than this, degrees")->group(surface);
-  app.add_flag("--accept-leaks,!--no-accept-leaks", t.accept_leaks, "Go on with a surface that is not closed")->group(surface);
+  app.add_flag("--accept-leaks,!--no-accept-leaks", t.accept_leaks, "Go on with a surface that is not closed")
+      ->group(surface);
 
   const std::string grid = "Grid";
   app.add_option("--degree", raw.degree, "Degree 1 … 4 [2]")->type_name("P [P P]")->group(grid);
-  app.add_option("--span-size", raw.span_size, "Size of a span, length [longest side / 20]")->type_name("H [H H]")->group(grid);
-  app.add_option("--spans", raw.spans, "Spans across the part, or across the box")->type_name("N [N N]")->group(grid);
-  app.add_option("--box", t.box, "Corners A and B of the grid: no margin then")->expected(6)->type_name("A B")->group(grid);
-  app.add_option("--margin", t.margin, "Empty spans on every side [degree]")->group(grid);
-  app.add_option("--rotation", t.rotation, "Rotation of the grid about its centre, row by row; columns are its axes")
-      ->expected(9)
-      ->type_name("R")
+  app.add_option("--span-size", raw.span_size, "Size of a span, length [longest side / 20]")
+      ->type_name("H [H H]")
       ->group(grid);
-  app.add_option("--rotate-axis-angle", t.rotate_axis_angle, "The same as axis and angle in degrees")
-      ->expected(4)
+  app.add_option("--spans", raw.spans, "Spans across the part, or across the box")->type_name("N [N N]")->group(grid);
+  app.add_option("--box", raw.box, "Corners A and B of the grid: no margin then")
+      ->type_name("AX AY AZ BX BY BZ")
+      ->group(grid);
+  app.add_option("--margin", t.margin, "Empty spans on every side [degree]")->group(grid);
+  app.add_option("--rotation", raw.rotation, "Rotation of the grid about its centre, row by row; columns are its axes")
+      ->type_name("R (9 numbers)")
+      ->group(grid);
+  app.add_option("--rotate-axis-angle", raw.rotate_axis_angle, "The same as axis and angle in degrees")
       ->type_name("X Y Z DEG")
       ->group(grid);
   app.add_flag("--optimise-offset,!--no-optimise-offset", t.optimise_offset,
@@ -112,9 +135,13 @@ void add_options(CLI::App& app, Raw& raw, TypedSettings& t, CommandLine& line) {
       ->group(grid);
 
   const std::string quadrature = "Trimming and quadrature";
-  app.add_option("--sliver-tolerance", t.sliver_tolerance, "Depth in spans below which a cut is snapped [2e-5]")->group(quadrature);
-  app.add_option("--min-fraction", t.min_fraction, "Drop trimmed spans with a smaller volume fraction [0]")->group(quadrature);
-  app.add_option("--quadrature", t.interior, "Rule of interior spans: gauss [gauss]")->type_name("RULE")->group(quadrature);
+  app.add_option("--sliver-tolerance", t.sliver_tolerance, "Depth in spans below which a cut is snapped [2e-5]")
+      ->group(quadrature);
+  app.add_option("--min-fraction", t.min_fraction, "Drop trimmed spans with a smaller volume fraction [0]")
+      ->group(quadrature);
+  app.add_option("--quadrature", t.interior, "Rule of interior spans: gauss [gauss]")
+      ->type_name("RULE")
+      ->group(quadrature);
   app.add_option("--trimmed", t.trimmed, "Rule of trimmed spans: nnls [nnls]")->type_name("RULE")->group(quadrature);
   app.add_option("--moment-degree", raw.moment_degree, "Moments kept on trimmed spans: p, 2p or numbers [p]")
       ->type_name("Q [Q Q]")
@@ -134,6 +161,10 @@ TypedSettings flags_of(const Raw& raw, TypedSettings t) {
   if (raw.degree) t.degree = list_of<std::int64_t>("--degree", *raw.degree, "1 or 3 integers");
   if (raw.spans) t.spans = list_of<std::int64_t>("--spans", *raw.spans, "1 or 3 integers");
   if (raw.span_size) t.span_size = list_of<double>("--span-size", *raw.span_size, "1 or 3 numbers");
+  if (raw.box) t.box = list_of<double>("--box", *raw.box, "6 numbers");
+  if (raw.rotation) t.rotation = list_of<double>("--rotation", *raw.rotation, "9 numbers");
+  if (raw.rotate_axis_angle)
+    t.rotate_axis_angle = list_of<double>("--rotate-axis-angle", *raw.rotate_axis_angle, "4 numbers");
   if (raw.moment_degree) {
     if (*raw.moment_degree == "p" || *raw.moment_degree == "2p")
       t.moment_degree = *raw.moment_degree;
@@ -174,7 +205,7 @@ std::optional<CommandLine> parse_command_line(int argc, const char* const* argv)
   CommandLine line;
   add_options(app, raw, typed, line);
   std::vector<std::string> words = join_values(argc, argv);
-  std::reverse(words.begin(), words.end());  // CLI11 takes them from the back
+  std::reverse(words.begin(), words.end()); // CLI11 takes them from the back
   try {
     app.parse(words);
   } catch (const CLI::Success& answered) {

@@ -8,10 +8,10 @@
 namespace iga::prep {
 
 struct CommandLine {
-  TypedSettings typed;             ///< file and flags together
+  TypedSettings typed; ///< file and flags together
   std::optional<int> threads;
   bool force = false, quiet = false, json = false;
-  std::string text;                ///< as typed, for the provenance
+  std::string text; ///< as typed, for the provenance
 };
 
 /// @returns nothing where --help or --version has been answered

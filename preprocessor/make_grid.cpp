@@ -12,16 +12,20 @@ namespace iga::prep {
 
 namespace {
 
-constexpr double default_spans = 20;  // along the part's longest side
+constexpr double default_spans = 20; // along the part's longest side
 
-double longest(const Point3& sides) { return *std::max_element(sides.begin(), sides.end()); }
+double longest(const Point3& sides) {
+  return *std::max_element(sides.begin(), sides.end());
+}
 
 Point3 sides_of(const Box3& box) {
   return {box.upper[0] - box.lower[0], box.upper[1] - box.lower[1], box.upper[2] - box.lower[2]};
 }
 
 // Fewest whole spans that hold a length given in spans.
-double whole_spans(double length) { return std::max(1.0, std::ceil(length - whole_span_tolerance)); }
+double whole_spans(double length) {
+  return std::max(1.0, std::ceil(length - whole_span_tolerance));
+}
 
 // Box of the points R^T (x - origin).
 Box3 local_box(const TriangleMesh& mesh, const Rotation& R, const Point3& origin) {
@@ -60,16 +64,20 @@ void check_memory(const Point3& counts) {
   // Half of the memory is left to the active spans, their points and the surface.
   if (bytes <= 0.5 * memory) return;
   constexpr double gib = 1024.0 * 1024 * 1024;
-  throw InputError(fmt::format("the grid would have {:.4g} spans ({:.0f} × {:.0f} × {:.0f}); their states alone need {:.3g} GiB "
-                               "and this machine has {:.3g} GiB: choose a larger span_size or fewer spans",
-                               total, counts[0], counts[1], counts[2], bytes / gib, memory / gib));
+  throw InputError(
+      fmt::format("the grid would have {:.4g} spans ({:.0f} × {:.0f} × {:.0f}); their states alone need {:.3g} GiB "
+                  "and this machine has {:.3g} GiB: choose a larger span_size or fewer spans",
+                  total, counts[0], counts[1], counts[2], bytes / gib, memory / gib));
 }
 
 Index3 as_index(const Point3& counts) {
-  return {static_cast<std::int64_t>(counts[0]), static_cast<std::int64_t>(counts[1]), static_cast<std::int64_t>(counts[2])};
+  return {static_cast<std::int64_t>(counts[0]), static_cast<std::int64_t>(counts[1]),
+          static_cast<std::int64_t>(counts[2])};
 }
 
-std::string text(const Point3& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p[0], p[1], p[2]); }
+std::string text(const Point3& p) {
+  return fmt::format("({:.6g}, {:.6g}, {:.6g})", p[0], p[1], p[2]);
+}
 
 void check_part_inside(const TriangleMesh& mesh, const SplineGrid& grid) {
   Point3 centre;
@@ -93,13 +101,15 @@ void check_part_inside(const TriangleMesh& mesh, const SplineGrid& grid) {
   const std::string where = fmt::format("the box from A {} to B {}", text(grid.A()), text(grid.B()));
   const std::string frame = rotated ? "in the grid's axes, " : "";
   if (missed)
-    throw InputError(fmt::format("{} misses the part, which reaches from {} to {}; {}check the box and the part's units "
-                                 "(scale)",
-                                 where, text(part.lower), text(part.upper), frame));
+    throw InputError(
+        fmt::format("{} misses the part, which reaches from {} to {}; {}check the box and the part's units "
+                    "(scale)",
+                    where, text(part.lower), text(part.upper), frame));
   if (out > 0)
-    throw InputError(fmt::format("the part sticks out of {} by {:.6g} along {}: {}it reaches from {} to {}; enlarge the box "
-                                 "or leave it out",
-                                 where, out, "xyz"[worst], frame, text(part.lower), text(part.upper)));
+    throw InputError(
+        fmt::format("the part sticks out of {} by {:.6g} along {}: {}it reaches from {} to {}; enlarge the box "
+                    "or leave it out",
+                    where, out, "xyz"[worst], frame, text(part.lower), text(part.upper)));
 }
 
 GridChoice grid_in_box(const TriangleMesh& mesh, const GridOptions& options) {
@@ -164,8 +174,8 @@ GridChoice make_grid(const TriangleMesh& mesh, const GridOptions& options) {
   const Point3 sides = sides_of(frame.part);
   for (std::size_t d = 0; d < 3; ++d) {
     if (!(sides[d] > 0))
-      throw InputError(fmt::format("the part has no extent along {} ({:.6g} to {:.6g}): it encloses no volume", "xyz"[d],
-                                   frame.part.lower[d], frame.part.upper[d]));
+      throw InputError(fmt::format("the part has no extent along {} ({:.6g} to {:.6g}): it encloses no volume",
+                                   "xyz"[d], frame.part.lower[d], frame.part.upper[d]));
     frame.margin[d] = options.margin.value_or(options.degree[d]);
   }
   frame.span_size = wanted_size(options, sides);

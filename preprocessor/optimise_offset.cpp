@@ -3,6 +3,7 @@
 #include "format/model/bspline_basis.hpp"
 #include "format/model/errors.hpp"
 
+#include <algorithm>
 #include <exception>
 #include <memory>
 #include <nlopt.h>
@@ -11,8 +12,9 @@ namespace iga::prep {
 
 namespace {
 
-// As many as a 5³ sampling of the offsets would take; DIRECT-L finds counts at least as low with them.
-constexpr int max_evaluations = 125;
+// Together about as many as a 5³ sampling of the offsets would take, which finds higher counts.
+constexpr int global_evaluations = 75;
+constexpr int local_evaluations = 75;
 
 // (num_spans × (p + 1)): ∫ over the span of each function that lives there / ∫ of that function over the whole grid.
 std::vector<double> span_shares(const KnotVector& knots) {
@@ -58,13 +60,32 @@ double objective(unsigned, const double* x, double*, void* data) {
       search.best.light_after = light;
       search.best.offset = offset;
     }
-    search.progress(++search.best.evaluations, max_evaluations);
+    search.progress(++search.best.evaluations, global_evaluations + local_evaluations);
     return static_cast<double>(light);
   } catch (...) {
     search.failure = std::current_exception();
     nlopt_force_stop(search.optimiser);
     return 0;
   }
+}
+
+// Runs one of NLopt's methods from the best offset so far.
+void minimise(Search& search, nlopt_algorithm method, int evaluations) {
+  if (search.best.light_after == 0 || search.cancelled()) return;
+  const std::unique_ptr<nlopt_opt_s, void (*)(nlopt_opt)> optimiser(nlopt_create(method, 3), nlopt_destroy);
+  search.optimiser = optimiser.get();
+  nlopt_set_min_objective(search.optimiser, objective, &search);
+  nlopt_set_lower_bounds1(search.optimiser, 0.0);
+  nlopt_set_upper_bounds1(search.optimiser, 1.0);
+  nlopt_set_maxeval(search.optimiser, evaluations);
+  nlopt_set_stopval(search.optimiser, 0.5); // no light function left
+  Point3 x = search.best.offset;
+  for (double& offset : x) offset = std::clamp(offset, 0.0, 1.0);
+  double light = 0;
+  const nlopt_result result = nlopt_optimize(search.optimiser, x.data(), &light);
+  if (search.failure) std::rethrow_exception(search.failure);
+  if (result < 0 && result != NLOPT_FORCED_STOP && result != NLOPT_ROUNDOFF_LIMITED)
+    throw NumericalError("the search for the grid's offset failed; run without --optimise-offset");
 }
 
 } // namespace
@@ -87,7 +108,7 @@ std::int64_t light_function_count(const SplineGrid& grid, const Trimming& trimmi
     }
   };
 
-  std::int64_t open = 0;  // lowest function layer that is not closed
+  std::int64_t open = 0; // lowest function layer that is not closed
   for (std::size_t a = 0; a < trimming.active.size(); ++a) {
     const Index3 ijk = grid.span_index(trimming.active[a]);
     for (; open < ijk[2]; ++open) close_layer(open);
@@ -115,19 +136,8 @@ OffsetSearch optimise_offset(const GridFrame& frame, const TriangleMesh& mesh, c
   search.best.offset = centred_offset(frame);
   search.best.light_before = search.best.light_after = search.count(search.best.offset);
 
-  const std::unique_ptr<nlopt_opt_s, void (*)(nlopt_opt)> optimiser(nlopt_create(NLOPT_GN_DIRECT_L, 3), nlopt_destroy);
-  search.optimiser = optimiser.get();
-  nlopt_set_min_objective(search.optimiser, objective, &search);
-  nlopt_set_lower_bounds1(search.optimiser, 0.0);
-  nlopt_set_upper_bounds1(search.optimiser, 1.0);
-  nlopt_set_maxeval(search.optimiser, max_evaluations);
-  nlopt_set_stopval(search.optimiser, 0.5);  // no light function left
-  Point3 x{0.5, 0.5, 0.5};
-  double light = 0;
-  const nlopt_result result = nlopt_optimize(search.optimiser, x.data(), &light);
-  if (search.failure) std::rethrow_exception(search.failure);
-  if (result < 0 && result != NLOPT_FORCED_STOP && result != NLOPT_ROUNDOFF_LIMITED)
-    throw NumericalError("the search for the grid's offset failed; run without --optimise-offset");
+  minimise(search, NLOPT_GN_DIRECT_L, global_evaluations);
+  minimise(search, NLOPT_LN_SBPLX, local_evaluations);
   return search.best;
 }
 

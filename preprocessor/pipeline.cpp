@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 
 // Times the stages and lets an interrupt through between them.
 class Stages {
-public:
+ public:
   explicit Stages(io::Progress& progress) : progress_(progress) {}
 
   template <class Work> auto run(const std::string& name, Work&& work) {
@@ -38,7 +38,7 @@ public:
   }
   std::vector<std::pair<std::string, double>> timings;
 
-private:
+ private:
   using Clock = std::chrono::steady_clock;
   struct Timer {
     Stages& stages;
@@ -61,7 +61,8 @@ void check_paths(const Settings& s) {
     throw InputError(fmt::format("{}: the output folder is not writable", folder.string()));
   if (!fs::exists(s.output)) return;
   if (!fs::is_regular_file(s.output))
-    throw InputError(fmt::format("{}: the output exists and is no ordinary file; choose another name", s.output.string()));
+    throw InputError(
+        fmt::format("{}: the output exists and is no ordinary file; choose another name", s.output.string()));
   if (fs::equivalent(s.input, s.output))
     throw InputError(fmt::format("{}: the output would replace the input; choose another name", s.output.string()));
 }
@@ -81,7 +82,8 @@ bool stands_already(const Settings& s, const RunInfo& run) {
   }
   const Provenance ours;
   if (found.producer != ours.producer || found.inputs.size() != 1) refuse("was made by another program");
-  if (found.version != IGA_VERSION) refuse(fmt::format("was made by version {}, this is {}", found.version, IGA_VERSION));
+  if (found.version != IGA_VERSION)
+    refuse(fmt::format("was made by version {}, this is {}", found.version, IGA_VERSION));
   if (found.inputs[0].sha256 != io::sha256_file(s.input)) refuse("was made from another input");
   if (found.settings_sha256 != settings_hash(s)) refuse("was made with other settings");
   return true;
@@ -92,7 +94,9 @@ std::string now_utc() {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(now));
 }
 
-void append(std::vector<std::string>& to, const std::vector<std::string>& from) { to.insert(to.end(), from.begin(), from.end()); }
+void append(std::vector<std::string>& to, const std::vector<std::string>& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
 
 QuadratureInfo quadrature_info(const Settings& s, const Trimming& trimming, double part_volume, double max_residual) {
   QuadratureInfo info;
@@ -160,8 +164,8 @@ void describe_surface(PrepReport& r, const PreparedSurface& surface) {
   append(r.warnings, surface.warnings);
 }
 
-Provenance provenance_of(const Settings& s, const RunInfo& run, const std::string& input_sha256, const PrepReport& report,
-                         const Stages& stages) {
+Provenance provenance_of(const Settings& s, const RunInfo& run, const std::string& input_sha256,
+                         const PrepReport& report, const Stages& stages) {
   Provenance p;
   p.version = IGA_VERSION;
   p.command_line = run.command_line;
@@ -231,7 +235,8 @@ PrepReport run_pipeline(const Settings& s, const RunInfo& run, io::Progress& pro
   FunctionMass mass = stages.run("functions", [&] { return function_mass(model.grid, trimming, model.points); });
   model.active_functions = std::move(mass.functions);
   model.mass_fraction = std::move(mass.mass_fraction);
-  model.surface = stages.run("surface points", [&] { return make_embedded_surface(model.grid, surface.mesh, trimming); });
+  model.surface =
+      stages.run("surface points", [&] { return make_embedded_surface(model.grid, surface.mesh, trimming); });
 
   report.points_moments = point_moments(model.grid, model.points, report.surface.centroid);
   report.volume_error = judge_weights(report.points_moments.volume, part_volume, trimming, s.quadrature.tolerance);
@@ -242,7 +247,8 @@ PrepReport run_pipeline(const Settings& s, const RunInfo& run, io::Progress& pro
   count_model(report, model);
   const std::vector<std::string> faults = stages.run("check", [&] { return check(model); });
   if (!faults.empty())
-    throw std::logic_error(fmt::format("the model breaks its own rules, nothing was written: {}", fmt::join(faults, "; ")));
+    throw std::logic_error(
+        fmt::format("the model breaks its own rules, nothing was written: {}", fmt::join(faults, "; ")));
 
   model.provenance = provenance_of(s, run, input_sha256, report, stages);
   stages.run("write", [&] { io::write_model(s.output, model); });

@@ -13,9 +13,10 @@ struct RunInfo {
   bool force = false;
 };
 
-/// Runs all stages and writes settings.output; where a file from the same input bytes, settings and version stands there,
-/// does nothing but say so (PrepReport::reused).
-/// @throws InputError, FormatError, NumericalError, io::Interrupted; nothing is written then, and what stood there stays
+/// Runs all stages and writes settings.output; where a file from the same input bytes, settings and version stands
+/// there, does nothing but say so (PrepReport::reused).
+/// @throws InputError, FormatError, NumericalError, io::Interrupted; nothing is written then, and what stood there
+/// stays
 PrepReport run_pipeline(const Settings& settings, const RunInfo& run, io::Progress& progress);
 
 /// Hash of the settings that affect data, together with the producer's version.

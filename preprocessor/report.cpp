@@ -11,17 +11,23 @@ namespace iga::prep {
 
 namespace {
 
-constexpr double shown_seconds = 0.01;  // shorter stages do not matter to the reader
+constexpr double shown_seconds = 0.01; // shorter stages do not matter to the reader
 
-std::string text(const Point3& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p[0], p[1], p[2]); }
+std::string text(const Point3& p) {
+  return fmt::format("({:.6g}, {:.6g}, {:.6g})", p[0], p[1], p[2]);
+}
 
 Point3 sides_of(const Box3& box) {
   return {box.upper[0] - box.lower[0], box.upper[1] - box.lower[1], box.upper[2] - box.lower[2]};
 }
 
-std::string times(const Index3& n) { return fmt::format("{} × {} × {}", n[0], n[1], n[2]); }
+std::string times(const Index3& n) {
+  return fmt::format("{} × {} × {}", n[0], n[1], n[2]);
+}
 
-std::string count(std::int64_t n, const char* one, const char* many) { return fmt::format("{} {}", n, n == 1 ? one : many); }
+std::string count(std::int64_t n, const char* one, const char* many) {
+  return fmt::format("{} {}", n, n == 1 ? one : many);
+}
 
 double total_seconds(const PrepReport& r) {
   double sum = 0;
@@ -35,8 +41,9 @@ void compare_moments(PrepReport& r) {
   const Point3 side = sides_of(r.part_box);
   const auto& a = r.surface;
   const auto& b = r.points_moments;
-  r.centroid_error = std::hypot(a.centroid[0] - b.centroid[0], a.centroid[1] - b.centroid[1], a.centroid[2] - b.centroid[2]) /
-                     std::hypot(side[0], side[1], side[2]);
+  r.centroid_error =
+      std::hypot(a.centroid[0] - b.centroid[0], a.centroid[1] - b.centroid[1], a.centroid[2] - b.centroid[2]) /
+      std::hypot(side[0], side[1], side[2]);
   const double trace = a.second_moments[0] + a.second_moments[1] + a.second_moments[2];
   r.inertia_error = 0;
   for (std::size_t e = 0; e < 6; ++e)
@@ -51,38 +58,41 @@ double peak_memory_mib() {
 
 std::string human_report(const PrepReport& r) {
   if (r.reused)
-    return fmt::format("{} already holds {} with these settings (same input bytes, settings and version): nothing to do\n",
-                       r.output, r.input);
+    return fmt::format(
+        "{} already holds {} with these settings (same input bytes, settings and version): nothing to do\n", r.output,
+        r.input);
   std::string out;
   const auto line = [&](const char* name, const std::string& value) { out += fmt::format("{:<12}{}\n", name, value); };
   const std::string unit = r.length_unit == "unspecified" ? "" : " " + r.length_unit;
   line("part", fmt::format("{}, {}", r.input, r.format));
   line("box", fmt::format("{:.6g} × {:.6g} × {:.6g}{}, from {} to {}", sides_of(r.part_box)[0], sides_of(r.part_box)[1],
                           sides_of(r.part_box)[2], unit, text(r.part_box.lower), text(r.part_box.upper)));
-  line("surface", fmt::format("{} triangles, {}, {}, {}, area {:.6g}", r.triangles, count(r.regions, "region", "regions"),
-                              count(r.bodies, "body", "bodies"), count(r.cavities, "cavity", "cavities"), r.area));
+  line("surface",
+       fmt::format("{} triangles, {}, {}, {}, area {:.6g}", r.triangles, count(r.regions, "region", "regions"),
+                   count(r.bodies, "body", "bodies"), count(r.cavities, "cavity", "cavities"), r.area));
   const Point3 h = r.grid.span_size();
-  line("grid", fmt::format("{} spans of {:.6g} × {:.6g} × {:.6g}, degree {} {} {}", times(r.grid.spans()), h[0], h[1], h[2],
-                           r.grid.degree()[0], r.grid.degree()[1], r.grid.degree()[2]));
+  line("grid", fmt::format("{} spans of {:.6g} × {:.6g} × {:.6g}, degree {} {} {}", times(r.grid.spans()), h[0], h[1],
+                           h[2], r.grid.degree()[0], r.grid.degree()[1], r.grid.degree()[2]));
   line("spans", fmt::format("{} interior, {} trimmed, {} exterior", r.interior, r.trimmed, r.exterior));
   if (r.quadrature.snapped_spans > 0)
     line("snapped", fmt::format("{} spans, volume {:+.3g}", r.quadrature.snapped_spans, r.quadrature.snapped_volume));
   if (r.quadrature.dropped_spans > 0)
     line("dropped", fmt::format("{} spans, volume {:.3g}", r.quadrature.dropped_spans, r.quadrature.dropped_volume));
-  line("points", fmt::format("{} ({} interior, {} trimmed), {} on the surface", r.points, r.points_interior, r.points_trimmed,
-                             r.surface_points));
-  line("rules", fmt::format("{} boxes, {} prisms, {} fitted ({} with more candidates), moment degree {} {} {}",
-                            r.counts.box_spans, r.counts.prism_spans, r.counts.fitted_spans, r.counts.refined_spans,
-                            r.quadrature.moment_degree[0], r.quadrature.moment_degree[1], r.quadrature.moment_degree[2]));
+  line("points", fmt::format("{} ({} interior, {} trimmed), {} on the surface", r.points, r.points_interior,
+                             r.points_trimmed, r.surface_points));
+  line("rules",
+       fmt::format("{} boxes, {} prisms, {} fitted ({} with more candidates), moment degree {} {} {}",
+                   r.counts.box_spans, r.counts.prism_spans, r.counts.fitted_spans, r.counts.refined_spans,
+                   r.quadrature.moment_degree[0], r.quadrature.moment_degree[1], r.quadrature.moment_degree[2]));
   line("residual", fmt::format("{:.2e} at most (allowed {:.0e})", r.quadrature.max_residual, r.quadrature.tolerance));
-  line("volume", fmt::format("{:.10g}, surface {:.10g}: trimming off by {:.1e}, points by {:.1e}", r.points_moments.volume,
-                             r.surface.volume, r.trimming_error, r.volume_error));
+  line("volume", fmt::format("{:.10g}, surface {:.10g}: trimming off by {:.1e}, points by {:.1e}",
+                             r.points_moments.volume, r.surface.volume, r.trimming_error, r.volume_error));
   line("moments", fmt::format("points against surface: centroid {:.1e}, inertia {:.1e}, area {:.1e}", r.centroid_error,
                               r.inertia_error, r.area_error));
   line("functions", fmt::format("{} with material, {} light", r.functions, r.light_functions));
   if (r.offset)
-    line("offset", fmt::format("light functions (estimated) {} → {} by shifting the grid, {} grids tried", r.offset->light_before,
-                               r.offset->light_after, r.offset->evaluations));
+    line("offset", fmt::format("light functions (estimated) {} → {} by shifting the grid, {} grids tried",
+                               r.offset->light_before, r.offset->light_after, r.offset->evaluations));
   for (const std::string& finding : r.findings) line("found", finding);
   std::string stages;
   for (const auto& [stage, seconds] : r.timings)
@@ -151,7 +161,8 @@ std::string json_report(const PrepReport& r) {
   grid.member("degree", r.grid.degree());
   grid.member("span_size", r.grid.span_size());
   const Rotation& R = r.grid.rotation();
-  grid.member("rotation", std::array<double, 9>{R[0][0], R[0][1], R[0][2], R[1][0], R[1][1], R[1][2], R[2][0], R[2][1], R[2][2]});
+  grid.member("rotation",
+              std::array<double, 9>{R[0][0], R[0][1], R[0][2], R[1][0], R[1][1], R[1][2], R[2][0], R[2][1], R[2][2]});
   json.member("grid", grid);
   io::JsonWriter timings;
   for (const auto& [stage, seconds] : r.timings) timings.member(stage, seconds);

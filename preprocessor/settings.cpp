@@ -21,17 +21,21 @@ void require_length(bool fine, const std::string& name, std::size_t found, const
   if (!fine) throw InputError(fmt::format("{}: found {} value(s), expected {}", name, found, allowed));
 }
 
-bool positive(double x) { return std::isfinite(x) && x > 0; }
+bool positive(double x) {
+  return std::isfinite(x) && x > 0;
+}
 
 template <class T> void check_lengths(const std::optional<std::vector<T>>& values, const std::string& name) {
-  if (values) require_length(values->size() == 1 || values->size() == one_per_direction, name, values->size(), "1 or 3");
+  if (values)
+    require_length(values->size() == 1 || values->size() == one_per_direction, name, values->size(), "1 or 3");
 }
 
 std::array<int, 3> degrees(const std::vector<std::int64_t>& typed) {
   std::array<int, 3> degree{};
   for (std::size_t d = 0; d < 3; ++d) {
     const std::int64_t p = typed[typed.size() == 1 ? 0 : d];
-    require(p >= 1 && p <= max_degree, "degree", static_cast<double>(p), fmt::format("supported degrees are 1 … {}", max_degree));
+    require(p >= 1 && p <= max_degree, "degree", static_cast<double>(p),
+            fmt::format("supported degrees are 1 … {}", max_degree));
     degree[d] = static_cast<int>(p);
   }
   return degree;
@@ -42,8 +46,9 @@ Rotation about_axis(const std::vector<double>& typed) {
   require_length(typed.size() == 4, "rotate_axis_angle", typed.size(), "4: the axis and the angle in degrees");
   const double length = std::hypot(typed[0], typed[1], typed[2]);
   if (!positive(length) || !std::isfinite(typed[3]))
-    throw InputError(fmt::format("rotate_axis_angle = {}: the axis must not be zero and all four numbers must be finite",
-                                 fmt::join(typed, " ")));
+    throw InputError(
+        fmt::format("rotate_axis_angle = {}: the axis must not be zero and all four numbers must be finite",
+                    fmt::join(typed, " ")));
   const Point3 a{typed[0] / length, typed[1] / length, typed[2] / length};
   const double degree = std::remainder(typed[3], 360.0);
   const double radian = degree * std::numbers::pi / 180;
@@ -62,7 +67,8 @@ Rotation about_axis(const std::vector<double>& typed) {
 
 Rotation rotation_of(const TypedSettings& typed) {
   if (typed.rotation && typed.rotate_axis_angle)
-    throw InputError("rotation and rotate_axis_angle are both given; they are two ways to write the same: leave one out");
+    throw InputError(
+        "rotation and rotate_axis_angle are both given; they are two ways to write the same: leave one out");
   if (typed.rotate_axis_angle) return about_axis(*typed.rotate_axis_angle);
   Rotation R = identity_rotation;
   if (!typed.rotation) return R;
@@ -101,12 +107,14 @@ std::array<int, 3> moment_degrees(const TypedSettings& typed, const std::array<i
     return *word == "p" ? p : std::array<int, 3>{2 * p[0], 2 * p[1], 2 * p[2]};
   }
   const auto& typed_degrees = std::get<std::vector<std::int64_t>>(*typed.moment_degree);
-  require_length(typed_degrees.size() == 1 || typed_degrees.size() == 3, "moment_degree", typed_degrees.size(), "1 or 3");
+  require_length(typed_degrees.size() == 1 || typed_degrees.size() == 3, "moment_degree", typed_degrees.size(),
+                 "1 or 3");
   std::array<int, 3> degree{};
   for (std::size_t d = 0; d < 3; ++d) {
     const std::int64_t q = typed_degrees[typed_degrees.size() == 1 ? 0 : d];
     require(q >= 1 && q <= 2 * p[d], "moment_degree", static_cast<double>(q),
-            fmt::format("with degree {} it lies in 1 … {} (twice the degree integrates products of functions)", p[d], 2 * p[d]));
+            fmt::format("with degree {} it lies in 1 … {} (twice the degree integrates products of functions)", p[d],
+                        2 * p[d]));
     degree[d] = static_cast<int>(q);
   }
   return degree;
@@ -202,7 +210,9 @@ Settings validate(const TypedSettings& typed) {
 std::string canonical_text(const Settings& s) {
   std::string text;
   const auto line = [&](const char* name, const auto& value) { text += fmt::format("{} = {}\n", name, value); };
-  const auto list = [&](const char* name, const auto& values) { line(name, fmt::format("{}", fmt::join(values, " "))); };
+  const auto list = [&](const char* name, const auto& values) {
+    line(name, fmt::format("{}", fmt::join(values, " ")));
+  };
   const auto optional = [&](const char* name, const auto& value) {
     if (value) line(name, *value);
   };

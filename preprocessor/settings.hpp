@@ -21,17 +21,17 @@ struct TypedSettings {
   std::optional<std::string> length_unit, title;
   std::optional<bool> repair, wrap, accept_leaks;
   std::optional<double> wrap_alpha, wrap_offset, region_angle;
-  std::optional<std::vector<double>> box;               ///< 6
-  std::optional<std::vector<std::int64_t>> spans;       ///< 1 or 3
-  std::optional<std::vector<double>> span_size;         ///< 1 or 3
-  std::optional<std::vector<std::int64_t>> degree;      ///< 1 or 3
+  std::optional<std::vector<double>> box;          ///< 6
+  std::optional<std::vector<std::int64_t>> spans;  ///< 1 or 3
+  std::optional<std::vector<double>> span_size;    ///< 1 or 3
+  std::optional<std::vector<std::int64_t>> degree; ///< 1 or 3
   std::optional<std::int64_t> margin;
   std::optional<std::vector<double>> rotation;          ///< 9, row-major
   std::optional<std::vector<double>> rotate_axis_angle; ///< 4: axis, degrees
   std::optional<bool> optimise_offset;
   std::optional<double> sliver_tolerance, min_fraction;
   std::optional<std::string> interior, trimmed;
-  std::optional<std::variant<std::string, std::vector<std::int64_t>>> moment_degree;  ///< "p", "2p", 1 or 3 numbers
+  std::optional<std::variant<std::string, std::vector<std::int64_t>>> moment_degree; ///< "p", "2p", 1 or 3 numbers
   std::optional<double> tolerance;
 };
 

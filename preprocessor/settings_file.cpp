@@ -7,7 +7,8 @@ namespace iga::prep {
 
 namespace {
 
-std::optional<std::filesystem::path> path_beside(const std::filesystem::path& file, const std::optional<std::string>& typed) {
+std::optional<std::filesystem::path> path_beside(const std::filesystem::path& file,
+                                                 const std::optional<std::string>& typed) {
   if (!typed) return std::nullopt;
   return file.parent_path() / *typed;
 }

@@ -26,7 +26,9 @@ void install_signal_handlers() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
-int pending_signal() { return arrived.load(); }
+int pending_signal() {
+  return arrived.load();
+}
 
 void stop_if_interrupted() {
   if (pending_signal() != 0) throw Interrupted{};

@@ -1,8 +1,8 @@
 // One JSON object written piece by piece: the reports of both tools.
 #pragma once
 
-#include <concepts>
 #include <cmath>
+#include <concepts>
 #include <fmt/format.h>
 #include <ranges>
 #include <string>
@@ -43,19 +43,16 @@ inline std::string json_string(std::string_view text) {
 /// Builds one object; members appear in the order of the calls. Numbers are written with as many digits as it takes to
 /// read the same bits back; what is not finite becomes null.
 class JsonWriter {
-public:
+ public:
   void member(std::string_view key, std::string_view text) { open(key) += json_string(text); }
   void member(std::string_view key, const char* text) { member(key, std::string_view(text)); }
   void member(std::string_view key, bool value) { open(key) += value ? "true" : "false"; }
   template <class T>
-    requires std::integral<T> || std::floating_point<T>
-  void member(std::string_view key, T value) {
-    open(key) += number(value);
-  }
+  requires std::integral<T> || std::floating_point<T>
+  void member(std::string_view key, T value) { open(key) += number(value); }
   /// An array of numbers or of strings.
   template <std::ranges::input_range R>
-    requires(!std::convertible_to<R, std::string_view>)
-  void member(std::string_view key, const R& values) {
+  requires(!std::convertible_to<R, std::string_view>) void member(std::string_view key, const R& values) {
     std::string& out = open(key);
     out += '[';
     bool first = true;
@@ -74,7 +71,7 @@ public:
 
   std::string text() const { return "{" + body_ + "}"; }
 
-private:
+ private:
   template <class T> static std::string number(T value) {
     if constexpr (std::floating_point<T>)
       if (!std::isfinite(value)) return "null";

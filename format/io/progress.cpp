@@ -8,8 +8,8 @@ namespace iga::io {
 
 namespace {
 
-constexpr double bar_interval = 0.1;   // s; faster than the eye follows would only cost
-constexpr double line_interval = 5.0;  // s; a log should stay readable
+constexpr double bar_interval = 0.1;  // s; faster than the eye follows would only cost
+constexpr double line_interval = 5.0; // s; a log should stay readable
 constexpr std::int64_t bar_width = 30;
 
 std::string time_left(double seconds) {
@@ -51,8 +51,8 @@ void Progress::show(std::int64_t done, std::int64_t total, double elapsed) {
   const std::string left = done > 0 ? ", " + time_left(elapsed * (1 - share) / share) : "";
   if (style_ == ProgressStyle::Bar) {
     const std::int64_t filled = bar_width * done / total;
-    fmt::print(stderr, "\r\033[K{} [{:#<{}}{:.<{}}] {:3.0f} %{}", stage_, "", filled, "", bar_width - filled, 100 * share,
-               left);
+    fmt::print(stderr, "\r\033[K{} [{:#<{}}{:.<{}}] {:3.0f} %{}", stage_, "", filled, "", bar_width - filled,
+               100 * share, left);
   } else {
     fmt::print(stderr, "{}: {:.0f} %{}\n", stage_, 100 * share, left);
   }

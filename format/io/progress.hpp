@@ -15,7 +15,7 @@ ProgressStyle progress_style(bool quiet);
 
 /// Progress of consecutive stages, on stderr.
 class Progress {
-public:
+ public:
   explicit Progress(ProgressStyle style) : style_(style) {}
   ~Progress() { finish(); }
   Progress(const Progress&) = delete;
@@ -27,7 +27,7 @@ public:
   /// Ends the running stage: a bar is wiped out.
   void finish();
 
-private:
+ private:
   using Clock = std::chrono::steady_clock;
   void show(std::int64_t done, std::int64_t total, double elapsed);
 

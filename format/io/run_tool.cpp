@@ -30,9 +30,10 @@ int run_tool(const std::string& name, const std::function<int()>& work) {
   } catch (const std::bad_alloc&) {
     return fail(exit_input, "error: the memory of this machine is not enough; choose larger spans");
   } catch (const std::exception& error) {
-    return fail(exit_our_bug, fmt::format("internal error: {}\nThis is a fault of the program, not of your input: please "
-                                          "report it with the command line and the input file.",
-                                          error.what()));
+    return fail(exit_our_bug,
+                fmt::format("internal error: {}\nThis is a fault of the program, not of your input: please "
+                            "report it with the command line and the input file.",
+                            error.what()));
   }
 }
 

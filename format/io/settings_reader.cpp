@@ -15,7 +15,7 @@ namespace iga::io {
 struct SettingsTable::File {
   std::filesystem::path path;
   toml::table root;
-  std::set<std::string> known;  // full paths of keys and tables that were asked for
+  std::set<std::string> known; // full paths of keys and tables that were asked for
 };
 
 namespace {
@@ -33,13 +33,20 @@ std::string spoken(const std::string& full) {
 
 std::string found(const toml::node& node) {
   switch (node.type()) {
-  case toml::node_type::table: return "a table";
-  case toml::node_type::array: return fmt::format("a list of {}", node.as_array()->size());
-  case toml::node_type::string: return fmt::format("the text \"{}\"", node.as_string()->get());
-  case toml::node_type::integer: return fmt::format("the integer {}", node.as_integer()->get());
-  case toml::node_type::floating_point: return fmt::format("the number {}", node.as_floating_point()->get());
-  case toml::node_type::boolean: return node.as_boolean()->get() ? "true" : "false";
-  default: return "a date or time";
+  case toml::node_type::table:
+    return "a table";
+  case toml::node_type::array:
+    return fmt::format("a list of {}", node.as_array()->size());
+  case toml::node_type::string:
+    return fmt::format("the text \"{}\"", node.as_string()->get());
+  case toml::node_type::integer:
+    return fmt::format("the integer {}", node.as_integer()->get());
+  case toml::node_type::floating_point:
+    return fmt::format("the number {}", node.as_floating_point()->get());
+  case toml::node_type::boolean:
+    return node.as_boolean()->get() ? "true" : "false";
+  default:
+    return "a date or time";
   }
 }
 
@@ -192,8 +199,8 @@ void SettingsTable::refuse_unknown_keys() const {
       if (const auto near = nearest_name(key.str(), here)) meant = join(path_, *near);
     const std::string advice = meant ? fmt::format("did you mean {}?", spoken(*meant))
                                      : fmt::format("known keys here: {}", fmt::join(here, ", "));
-    throw InputError(fmt::format("{}:{}: unknown key {}; {}", file_->path.string(), key.source().begin.line,
-                                 spoken(full), advice));
+    throw InputError(
+        fmt::format("{}:{}: unknown key {}; {}", file_->path.string(), key.source().begin.line, spoken(full), advice));
   }
 }
 

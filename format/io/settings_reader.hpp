@@ -1,4 +1,5 @@
-// TOML settings for both tools: every key is asked for by name and type, so that what nobody asked for is a typing error.
+// TOML settings for both tools: every key is asked for by name and type, so that what nobody asked for is a typing
+// error.
 #pragma once
 
 #include <cstdint>
@@ -13,10 +14,10 @@
 namespace iga::io {
 
 /// One table of a settings file. The getters return nothing for an absent key.
-/// All of them throw InputError "file:line: key: found this, expected that" for a value of another type, and for numbers
-/// that are not finite.
+/// All of them throw InputError "file:line: key: found this, expected that" for a value of another type, and for
+/// numbers that are not finite.
 class SettingsTable {
-public:
+ public:
   /// The root table. @throws InputError for a file that is missing or is no TOML (with line and column)
   static SettingsTable read(const std::filesystem::path& file);
 
@@ -35,16 +36,17 @@ public:
   /// Call on the root after every key was asked for. @throws InputError naming the line and the nearest known key
   void refuse_unknown_keys() const;
 
-private:
+ private:
   struct File;
   SettingsTable(std::shared_ptr<File> file, std::string path, const void* node);
 
   std::shared_ptr<File> file_;
-  std::string path_;            // "" for the root, "grid" for [grid]
-  const void* node_ = nullptr;  // the parser's table; null where absent
+  std::string path_;           // "" for the root, "grid" for [grid]
+  const void* node_ = nullptr; // the parser's table; null where absent
 };
 
-/// The name with the smallest edit distance to `word`, or nothing where none is similar (a third of its letters differ).
+/// The name with the smallest edit distance to `word`, or nothing where none is similar (a third of its letters
+/// differ).
 std::optional<std::string> nearest_name(std::string_view word, const std::vector<std::string>& names);
 
 } // namespace iga::io

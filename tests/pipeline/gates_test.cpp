@@ -35,7 +35,7 @@ TEST_F(BoxInGrid, AClosedSurfacePasses) {
 }
 
 TEST_F(BoxInGrid, AMissingTriangleIsRefusedWithPlaceAndOption) {
-  mesh.triangles.erase(mesh.triangles.begin() + 9);  // on the side x = 0
+  mesh.triangles.erase(mesh.triangles.begin() + 9); // on the side x = 0
   mesh.region.pop_back();
   const auto trimming = trim(grid, mesh, {});
   expect_words(refusal([&] { judge_trimming(grid, trimming, volume_moments(mesh).volume, false); }),
@@ -45,14 +45,16 @@ TEST_F(BoxInGrid, AMissingTriangleIsRefusedWithPlaceAndOption) {
 
 TEST_F(BoxInGrid, AWrongVolumeIsRefused) {
   const auto trimming = trim(grid, mesh, {});
-  expect_words(refusal([&] { judge_trimming(grid, trimming, volume * (1 + 1e-8), false); }), {"the spans hold", "--repair"});
+  expect_words(refusal([&] { judge_trimming(grid, trimming, volume * (1 + 1e-8), false); }),
+               {"the spans hold", "--repair"});
   EXPECT_NO_THROW(judge_trimming(grid, trimming, volume * (1 + 1e-10), false));
 }
 
 TEST_F(BoxInGrid, APartWithinTheSliverDepthIsRefused) {
   auto trimming = trim(grid, mesh, {});
   trimming.snapped_volume = -2e-3 * volume;
-  expect_words(refusal([&] { judge_trimming(grid, trimming, volume, true); }), {"thinner", "--span-size", "--sliver-tolerance"});
+  expect_words(refusal([&] { judge_trimming(grid, trimming, volume, true); }),
+               {"thinner", "--span-size", "--sliver-tolerance"});
 }
 
 TEST_F(BoxInGrid, ADroppedPartIsRefused) {
@@ -61,7 +63,8 @@ TEST_F(BoxInGrid, ADroppedPartIsRefused) {
   grid = make_grid(mesh, options).grid;
   TrimOptions drop;
   drop.min_fraction = 0.5;
-  expect_words(refusal([&] { judge_trimming(grid, trim(grid, mesh, drop), volume, false); }), {"no span", "--min-fraction"});
+  expect_words(refusal([&] { judge_trimming(grid, trim(grid, mesh, drop), volume, false); }),
+               {"no span", "--min-fraction"});
 }
 
 TEST(JudgeWinding, OverlapsAreRefusedEvenWhereLeaksAreAccepted) {
@@ -90,7 +93,8 @@ TEST(JudgeWeights, CountsSnappedAndDroppedVolume) {
   trimming.snapped_volume = 0.25;
   trimming.dropped_volume = 0.5;
   EXPECT_NEAR(judge_weights(9.75, 10, trimming, 1e-10), 0, 1e-15);
-  expect_words(refusal([&] { judge_weights(9.75 * (1 + 1e-8), 10, trimming, 1e-10); }), {"weights sum to", "--tolerance"});
+  expect_words(refusal([&] { judge_weights(9.75 * (1 + 1e-8), 10, trimming, 1e-10); }),
+               {"weights sum to", "--tolerance"});
 }
 
 TEST(PointMoments, OfGaussPointsEqualTheBoxs) {

@@ -26,7 +26,8 @@ template <class Work> std::string refusal(Work&& work) {
 }
 
 void expect_words(const std::string& text, const std::vector<std::string>& words) {
-  for (const std::string& word : words) EXPECT_NE(text.find(word), std::string::npos) << word << " is missing in: " << text;
+  for (const std::string& word : words)
+    EXPECT_NE(text.find(word), std::string::npos) << word << " is missing in: " << text;
 }
 
 TEST(SettingsReader, GivesTypedValuesAndNothingForAbsentKeys) {
@@ -47,14 +48,16 @@ TEST(SettingsReader, UnknownKeyNamesItsLineAndTheNearestKey) {
   auto root = table_of(folder, "title = \"a\"\n\n[grid]\ndegre = 2\n");
   root.text("title");
   root.table("grid").number("degree");
-  expect_words(refusal([&] { root.refuse_unknown_keys(); }), {"run.toml:4", "'degre' in [grid]", "did you mean 'degree' in [grid]"});
+  expect_words(refusal([&] { root.refuse_unknown_keys(); }),
+               {"run.toml:4", "'degre' in [grid]", "did you mean 'degree' in [grid]"});
 }
 
 TEST(SettingsReader, KeyInTheWrongTableIsSentToTheRightOne) {
   const TempFolder folder;
   auto root = table_of(folder, "degree = 2\n");
   root.table("grid").number("degree");
-  expect_words(refusal([&] { root.refuse_unknown_keys(); }), {"run.toml:1", "'degree'", "did you mean 'degree' in [grid]"});
+  expect_words(refusal([&] { root.refuse_unknown_keys(); }),
+               {"run.toml:1", "'degree'", "did you mean 'degree' in [grid]"});
 }
 
 TEST(SettingsReader, UnknownTableIsRefused) {

@@ -10,7 +10,7 @@ namespace iga::test {
 
 /// A folder that is removed with all it holds when the test ends.
 class TempFolder {
-public:
+ public:
   TempFolder();
   ~TempFolder();
   TempFolder(const TempFolder&) = delete;
@@ -18,20 +18,20 @@ public:
   const std::filesystem::path& path() const { return path_; }
   std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
 
-private:
+ private:
   std::filesystem::path path_;
 };
 
 struct ProgramRun {
-  int exit_code = -1;          ///< 128 + the signal's number where a signal ended it
+  int exit_code = -1; ///< 128 + the signal's number where a signal ended it
   std::string out, err;
 };
 
 struct RunOptions {
-  std::filesystem::path folder;                   ///< working directory
-  std::optional<std::string> signal_after;        ///< send `signal` once this text has appeared on stderr
+  std::filesystem::path folder;            ///< working directory
+  std::optional<std::string> signal_after; ///< send `signal` once this text has appeared on stderr
   int signal = 0;
-  std::optional<unsigned long> file_size_limit;   ///< bytes; longer writes fail as on a full disk
+  std::optional<unsigned long> file_size_limit; ///< bytes; longer writes fail as on a full disk
 };
 
 ProgramRun run_program(const std::filesystem::path& program, const std::vector<std::string>& arguments,

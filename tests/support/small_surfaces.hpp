@@ -13,7 +13,8 @@ inline TriangleMesh box_mesh(const Point3& lower, const Point3& upper) {
   TriangleMesh mesh;
   for (std::size_t v = 0; v < 8; ++v)
     mesh.vertices.push_back({(v & 1 ? upper : lower)[0], (v & 2 ? upper : lower)[1], (v & 4 ? upper : lower)[2]});
-  constexpr std::int32_t faces[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+  constexpr std::int32_t faces[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
+                                        {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
   for (const auto& f : faces) {
     mesh.triangles.push_back({f[0], f[1], f[2]});
     mesh.triangles.push_back({f[0], f[2], f[3]});
