@@ -98,17 +98,16 @@ std::vector<std::string> judge_winding(const WindingReport& winding, const Trimm
   return warnings;
 }
 
-double judge_weights(double point_volume, double part_volume, const Trimming& trimming, double tolerance) {
-  const double expected = part_volume + trimming.snapped_volume - trimming.dropped_volume;
-  const double error = std::abs(point_volume - expected) / std::abs(part_volume);
-  if (!(error <= std::max(volume_tolerance, tolerance)))
-    throw InputError(
-        fmt::format("the quadrature weights sum to {:.10g}, expected {:.10g} (surface {:.10g}, snapped {:+.3g}, "
-                    "dropped {:.3g}): relative difference {:.3g}, allowed {:.0e}\nLower --tolerance, or mend the "
-                    "surface with --repair.",
-                    point_volume, expected, part_volume, trimming.snapped_volume, trimming.dropped_volume, error,
-                    std::max(volume_tolerance, tolerance)));
-  return error;
+void judge_weights(double point_volume, const QuadratureInfo& info) {
+  const double expected = info.part_volume + info.snapped_volume - info.dropped_volume;
+  const double error = std::abs(point_volume - expected) / std::abs(info.part_volume);
+  const double allowed = std::max(volume_tolerance, info.tolerance);
+  if (!(error <= allowed))
+    throw InputError(fmt::format("the quadrature weights sum to {:.10g}, expected {:.10g} (surface {:.10g}, snapped "
+                                 "{:+.3g}, dropped {:.3g}): relative difference {:.3g}, allowed {:.0e}\nLower "
+                                 "--tolerance, or mend the surface with --repair.",
+                                 point_volume, expected, info.part_volume, info.snapped_volume, info.dropped_volume,
+                                 error, allowed));
 }
 
 VolumeMoments point_moments(const SplineGrid& grid, const IntegrationPoints& points, const Point3& about) {

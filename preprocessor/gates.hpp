@@ -22,10 +22,9 @@ std::vector<std::string> judge_trimming(const SplineGrid& grid, const Trimming& 
                                         bool accept_leaks);
 std::vector<std::string> judge_winding(const WindingReport& winding, const Trimming& trimming, bool accept_leaks);
 
-/// Σ weights against the surface's volume, plus what snapping added, less what was dropped.
-/// @returns the relative difference
-/// @throws InputError where it exceeds the larger of `volume_tolerance` and the rules' own tolerance
-double judge_weights(double point_volume, double part_volume, const Trimming& trimming, double tolerance);
+/// Σ weights against the part's volume, plus what snapping added, less what was dropped.
+/// @throws InputError where they differ by more than the larger of `volume_tolerance` and the rules' own tolerance
+void judge_weights(double point_volume, const QuadratureInfo& info);
 
 /// Volume, centroid and second moments of the points: Σ w, Σ w x / Σ w, Σ w r_a r_b about the centroid.
 /// @param about  a position near the part (sums are taken relative to it), e.g. the surface's centroid

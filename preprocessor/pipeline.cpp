@@ -115,25 +115,6 @@ QuadratureInfo quadrature_info(const Settings& s, const Trimming& trimming, doub
   return info;
 }
 
-void count_model(PrepReport& r, const TrimmedModel& model) {
-  for (const std::uint8_t state : model.state) {
-    r.interior += state == static_cast<std::uint8_t>(SpanState::Interior);
-    r.trimmed += state == static_cast<std::uint8_t>(SpanState::Trimmed);
-  }
-  r.exterior = model.grid.num_spans() - r.interior - r.trimmed;
-  r.points = static_cast<std::int64_t>(model.points.weights.size());
-  for (std::size_t a = 0; a < model.active.size(); ++a)
-    if (model.state[static_cast<std::size_t>(model.active[a])] == static_cast<std::uint8_t>(SpanState::Interior))
-      r.points_interior += model.points.offsets[a + 1] - model.points.offsets[a];
-  r.points_trimmed = r.points - r.points_interior;
-  r.surface_points = static_cast<std::int64_t>(model.surface.quadrature.weights.size());
-  const auto& area = model.surface.quadrature.weights;
-  r.area_error = std::abs(std::accumulate(area.begin(), area.end(), 0.0) - r.area) / r.area;
-  r.functions = static_cast<std::int64_t>(model.active_functions.size());
-  r.light_functions = std::count_if(model.mass_fraction.begin(), model.mass_fraction.end(),
-                                    [](double chi) { return chi < light_mass_fraction; });
-}
-
 // The grid, shifted where the user asked for it.
 SplineGrid choose_grid(const Settings& s, const TriangleMesh& mesh, io::Progress& progress, PrepReport& report) {
   GridChoice choice = make_grid(mesh, s.grid);
@@ -147,21 +128,31 @@ SplineGrid choose_grid(const Settings& s, const TriangleMesh& mesh, io::Progress
   return place_grid(*choice.frame, search.offset);
 }
 
-void describe_surface(PrepReport& r, const ReadMesh& read) {
-  r.format = read.format;
-  append(r.findings, read.notes);
+QuadratureResult make_points(const Settings& s, const SplineGrid& grid, const Trimming& trimming,
+                             io::Progress& progress) {
+  QuadratureOptions options = s.quadrature;
+  options.progress = [&](std::int64_t done, std::int64_t total) { progress.update(done, total); };
+  options.cancelled = [] { return io::pending_signal() != 0; };
+  try {
+    return build_quadrature(grid, trimming, options);
+  } catch (const Cancelled&) {
+    throw io::Interrupted{};
+  }
 }
 
-void describe_surface(PrepReport& r, const PreparedSurface& surface) {
-  r.part_box = bounding_box(surface.mesh);
-  r.triangles = static_cast<std::int64_t>(surface.mesh.triangles.size());
-  r.regions = static_cast<int>(surface.mesh.region_names.size());
-  r.bodies = surface.bodies;
-  r.cavities = surface.cavities;
-  r.area = surface_area(surface.mesh);
-  r.surface = volume_moments(surface.mesh);
-  append(r.findings, surface.findings);
-  append(r.warnings, surface.warnings);
+// What the file that stands there already says of itself; reading it checks that it is sound.
+PrepReport report_standing(const Settings& s, PrepReport report) {
+  report.reused = true;
+  try {
+    const TrimmedModel model = io::read_model(s.output);
+    describe_model(report, model);
+    report.findings = model.provenance.findings;
+  } catch (const FormatError& error) {
+    throw InputError(
+        fmt::format("the file matches this run but is damaged; replace it with --force\n{}", error.what()));
+  }
+  report.peak_memory_mib = peak_memory_mib();
+  return report;
 }
 
 Provenance provenance_of(const Settings& s, const RunInfo& run, const std::string& input_sha256,
@@ -188,68 +179,56 @@ PrepReport run_pipeline(const Settings& s, const RunInfo& run, io::Progress& pro
   PrepReport report;
   report.input = s.input.string();
   report.output = s.output.string();
-  report.length_unit = s.length_unit;
   check_paths(s);
-  if (stands_already(s, run)) {
-    report.reused = true;
-    return report;
-  }
+  if (stands_already(s, run)) return report_standing(s, std::move(report));
 
   Stages stages(progress);
   ReadMesh read = stages.run("read", [&] { return read_mesh(s.input, s.scale); });
-  describe_surface(report, read);
+  report.format = read.format;
+  append(report.findings, read.notes);
   const std::string input_sha256 = read.sha256;
   const PreparedSurface surface = stages.run("surface", [&] { return prepare_surface(std::move(read), s.surface); });
-  describe_surface(report, surface);
+  report.bodies = surface.bodies;
+  report.cavities = surface.cavities;
+  append(report.findings, surface.findings);
+  append(report.warnings, surface.warnings);
 
   TrimmedModel model;
   model.title = s.title;
   model.length_unit = s.length_unit;
   model.grid = stages.run("grid", [&] { return choose_grid(s, surface.mesh, progress, report); });
-  report.grid = model.grid;
   Trimming trimming = stages.run("trim", [&] { return trim(model.grid, surface.mesh, s.trim); });
-  const double mesh_volume = report.surface.volume;
+  const double mesh_volume = volume_moments(surface.mesh).volume;
   report.trimming_error = std::abs(trimming.exact_volume - mesh_volume) / std::abs(mesh_volume);
   append(report.warnings, judge_trimming(model.grid, trimming, mesh_volume, s.surface.accept_leaks));
-  // Without leaks the two volumes agree to rounding; an accepted leak leaves only the one that the spans hold.
-  const bool leaks_accepted = report.trimming_error > volume_tolerance;
-  const double part_volume = leaks_accepted ? trimming.exact_volume : mesh_volume;
   const WindingReport winding =
       stages.run("winding", [&] { return check_winding(model.grid, surface.mesh, trimming, s.trim.sliver_tolerance); });
   append(report.warnings, judge_winding(winding, trimming, s.surface.accept_leaks));
 
-  QuadratureOptions options = s.quadrature;
-  options.progress = [&](std::int64_t done, std::int64_t total) { progress.update(done, total); };
-  options.cancelled = [] { return io::pending_signal() != 0; };
-  QuadratureResult quadrature = stages.run("quadrature", [&] {
-    try {
-      return build_quadrature(model.grid, trimming, options);
-    } catch (const Cancelled&) {
-      throw io::Interrupted{};
-    }
-  });
+  QuadratureResult quadrature =
+      stages.run("quadrature", [&] { return make_points(s, model.grid, trimming, progress); });
   report.counts = quadrature.counts;
   model.points = std::move(quadrature.points);
-  model.quadrature = quadrature_info(s, trimming, part_volume, quadrature.max_residual);
-  report.quadrature = model.quadrature;
+  // Without leaks the two volumes agree to rounding; an accepted leak leaves only the one that the spans hold.
+  const bool leaks = trimming.worst_leak > volume_tolerance || report.trimming_error > volume_tolerance;
+  model.quadrature = quadrature_info(s, trimming, leaks ? trimming.exact_volume : mesh_volume, quadrature.max_residual);
   FunctionMass mass = stages.run("functions", [&] { return function_mass(model.grid, trimming, model.points); });
   model.active_functions = std::move(mass.functions);
   model.mass_fraction = std::move(mass.mass_fraction);
   model.surface =
       stages.run("surface points", [&] { return make_embedded_surface(model.grid, surface.mesh, trimming); });
-
-  report.points_moments = point_moments(model.grid, model.points, report.surface.centroid);
-  report.volume_error = judge_weights(report.points_moments.volume, part_volume, trimming, s.quadrature.tolerance);
-  compare_moments(report);
+  model.surface.accepted_leak = leaks ? trimming.worst_leak : 0;
   model.state = std::move(trimming.state);
   model.active = std::move(trimming.active);
   model.volume_fraction = std::move(trimming.fraction);
-  count_model(report, model);
-  const std::vector<std::string> faults = stages.run("check", [&] { return check(model); });
-  if (!faults.empty())
-    throw std::logic_error(
-        fmt::format("the model breaks its own rules, nothing was written: {}", fmt::join(faults, "; ")));
 
+  stages.run("check", [&] {
+    describe_model(report, model);
+    judge_weights(report.points_moments.volume, model.quadrature);
+    if (const std::vector<std::string> faults = check(model); !faults.empty())
+      throw std::logic_error(
+          fmt::format("the model breaks its own rules, nothing was written: {}", fmt::join(faults, "; ")));
+  });
   model.provenance = provenance_of(s, run, input_sha256, report, stages);
   stages.run("write", [&] { io::write_model(s.output, model); });
   report.timings = stages.timings;

@@ -1,10 +1,13 @@
 #include "preprocessor/report.hpp"
 
 #include "format/io/json_writer.hpp"
+#include "preprocessor/gates.hpp"
+#include "preprocessor/optimise_offset.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <numeric>
 #include <sys/resource.h>
 
 namespace iga::prep {
@@ -35,19 +38,79 @@ double total_seconds(const PrepReport& r) {
   return sum;
 }
 
-} // namespace
-
 void compare_moments(PrepReport& r) {
   const Point3 side = sides_of(r.part_box);
   const auto& a = r.surface;
   const auto& b = r.points_moments;
-  r.centroid_error =
-      std::hypot(a.centroid[0] - b.centroid[0], a.centroid[1] - b.centroid[1], a.centroid[2] - b.centroid[2]) /
-      std::hypot(side[0], side[1], side[2]);
+  const Point3 apart{a.centroid[0] - b.centroid[0], a.centroid[1] - b.centroid[1], a.centroid[2] - b.centroid[2]};
+  r.centroid_error = std::hypot(apart[0], apart[1], apart[2]) / std::hypot(side[0], side[1], side[2]);
   const double trace = a.second_moments[0] + a.second_moments[1] + a.second_moments[2];
   r.inertia_error = 0;
   for (std::size_t e = 0; e < 6; ++e)
     r.inertia_error = std::max(r.inertia_error, std::abs(a.second_moments[e] - b.second_moments[e]) / trace);
+}
+
+// What only the run knows that made the file.
+void add_run(io::JsonWriter& json, const PrepReport& r) {
+  json.member("format", r.format);
+  json.member("bodies", r.bodies);
+  json.member("cavities", r.cavities);
+  json.member("trimming_volume_error", r.trimming_error);
+  json.member("box_spans", r.counts.box_spans);
+  json.member("prism_spans", r.counts.prism_spans);
+  json.member("fitted_spans", r.counts.fitted_spans);
+  json.member("refined_spans", r.counts.refined_spans);
+  if (r.offset) {
+    io::JsonWriter offset;
+    offset.member("light_before", r.offset->light_before);
+    offset.member("light_after", r.offset->light_after);
+    offset.member("evaluations", r.offset->evaluations);
+    json.member("offset", offset);
+  }
+  json.member("warnings", r.warnings);
+  io::JsonWriter timings;
+  for (const auto& [stage, seconds] : r.timings) timings.member(stage, seconds);
+  timings.member("total", total_seconds(r));
+  json.member("timings", timings);
+}
+
+} // namespace
+
+void describe_model(PrepReport& r, const TrimmedModel& model) {
+  r.length_unit = model.length_unit;
+  r.grid = model.grid;
+  r.quadrature = model.quadrature;
+  const TriangleMesh& mesh = model.surface.mesh;
+  r.part_box = bounding_box(mesh);
+  r.triangles = static_cast<std::int64_t>(mesh.triangles.size());
+  r.regions = static_cast<int>(mesh.region_names.size());
+  r.area = surface_area(mesh);
+  r.surface = volume_moments(mesh);
+  const auto& areas = model.surface.quadrature.weights;
+  r.surface_points = static_cast<std::int64_t>(areas.size());
+  r.area_error = std::abs(std::accumulate(areas.begin(), areas.end(), 0.0) - r.area) / r.area;
+
+  const auto count_state = [&](SpanState s) {
+    return std::count(model.state.begin(), model.state.end(), static_cast<std::uint8_t>(s));
+  };
+  r.interior = count_state(SpanState::Interior);
+  r.trimmed = count_state(SpanState::Trimmed);
+  r.exterior = model.grid.num_spans() - r.interior - r.trimmed;
+  r.points = static_cast<std::int64_t>(model.points.weights.size());
+  r.points_interior = 0;
+  for (std::size_t a = 0; a < model.active.size(); ++a)
+    if (model.state[static_cast<std::size_t>(model.active[a])] == static_cast<std::uint8_t>(SpanState::Interior))
+      r.points_interior += model.points.offsets[a + 1] - model.points.offsets[a];
+  r.points_trimmed = r.points - r.points_interior;
+  r.functions = static_cast<std::int64_t>(model.active_functions.size());
+  r.light_functions = std::count_if(model.mass_fraction.begin(), model.mass_fraction.end(),
+                                    [](double chi) { return chi < light_mass_fraction; });
+
+  r.points_moments = point_moments(model.grid, model.points, r.surface.centroid);
+  const QuadratureInfo& q = model.quadrature;
+  r.volume_error = std::abs(r.points_moments.volume - (q.part_volume + q.snapped_volume - q.dropped_volume)) /
+                   std::abs(q.part_volume);
+  compare_moments(r);
 }
 
 double peak_memory_mib() {
@@ -108,13 +171,10 @@ std::string json_report(const PrepReport& r) {
   json.member("input", r.input);
   json.member("output", r.output);
   json.member("reused", r.reused);
-  if (r.reused) return json.text();
-  json.member("format", r.format);
   json.member("length_unit", r.length_unit);
   json.member("volume", r.points_moments.volume);
   json.member("mesh_volume", r.surface.volume);
   json.member("volume_error", r.volume_error);
-  json.member("trimming_volume_error", r.trimming_error);
   json.member("centroid", r.points_moments.centroid);
   json.member("centroid_error", r.centroid_error);
   json.member("second_moments", r.points_moments.second_moments);
@@ -131,29 +191,15 @@ std::string json_report(const PrepReport& r) {
   json.member("points_trimmed", r.points_trimmed);
   json.member("surface_points", r.surface_points);
   json.member("max_residual", r.quadrature.max_residual);
-  json.member("box_spans", r.counts.box_spans);
-  json.member("prism_spans", r.counts.prism_spans);
-  json.member("fitted_spans", r.counts.fitted_spans);
-  json.member("refined_spans", r.counts.refined_spans);
   json.member("snapped_spans", r.quadrature.snapped_spans);
   json.member("snapped_volume", r.quadrature.snapped_volume);
   json.member("dropped_spans", r.quadrature.dropped_spans);
   json.member("dropped_volume", r.quadrature.dropped_volume);
   json.member("triangles", r.triangles);
   json.member("regions", r.regions);
-  json.member("bodies", r.bodies);
-  json.member("cavities", r.cavities);
   json.member("functions", r.functions);
   json.member("light_functions", r.light_functions);
-  if (r.offset) {
-    io::JsonWriter offset;
-    offset.member("light_before", r.offset->light_before);
-    offset.member("light_after", r.offset->light_after);
-    offset.member("evaluations", r.offset->evaluations);
-    json.member("offset", offset);
-  }
   json.member("findings", r.findings);
-  json.member("warnings", r.warnings);
   io::JsonWriter grid;
   grid.member("A", r.grid.A());
   grid.member("B", r.grid.B());
@@ -164,10 +210,7 @@ std::string json_report(const PrepReport& r) {
   grid.member("rotation",
               std::array<double, 9>{R[0][0], R[0][1], R[0][2], R[1][0], R[1][1], R[1][2], R[2][0], R[2][1], R[2][2]});
   json.member("grid", grid);
-  io::JsonWriter timings;
-  for (const auto& [stage, seconds] : r.timings) timings.member(stage, seconds);
-  timings.member("total", total_seconds(r));
-  json.member("timings", timings);
+  if (!r.reused) add_run(json, r);
   json.member("peak_memory_mib", r.peak_memory_mib);
   return json.text();
 }

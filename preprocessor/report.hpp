@@ -21,7 +21,7 @@ struct OffsetGain {
 /// Everything the report says, collected by the pipeline.
 struct PrepReport {
   std::string input, output;
-  bool reused = false; ///< a matching file stood there already; nothing below but the hashes was looked at
+  bool reused = false; ///< a matching file stood there already: what only the run itself knows is left out
   std::string format, length_unit;
   Box3 part_box; ///< position, length
   std::int64_t triangles = 0;
@@ -46,8 +46,8 @@ struct PrepReport {
   double peak_memory_mib = 0;
 };
 
-/// Differences of the points' centroid and second moments from the surface's.
-void compare_moments(PrepReport& report);
+/// Fills in all that the model itself tells: grid, spans, points, volumes and moments, area, functions.
+void describe_model(PrepReport& report, const TrimmedModel& model);
 /// Highest memory use of this process so far, MiB.
 double peak_memory_mib();
 

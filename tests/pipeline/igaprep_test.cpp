@@ -68,7 +68,9 @@ TEST_F(Igaprep, DoesNothingWhereAMatchingFileStands) {
   EXPECT_EQ(again.exit_code, 0) << again.err;
   EXPECT_NE(again.out.find("nothing to do"), std::string::npos) << again.out;
   EXPECT_EQ(read_text(folder / "cube.h5"), first);
-  EXPECT_EQ(json({"cube.stl", "--span-size", "20"}).at("reused"), "true");
+  const auto report = json({"cube.stl", "--span-size", "20"});
+  EXPECT_EQ(report.at("reused"), "true");
+  EXPECT_NEAR(number(report, "volume"), 480000, 480000e-9);
 }
 
 TEST_F(Igaprep, KeepsAFileThatDoesNotMatchUnlessForced) {
