@@ -1,6 +1,6 @@
 #include "preprocessor/report.hpp"
 
-#include "format/io/json_writer.hpp"
+#include "format/io/json_text.hpp"
 #include "preprocessor/gates.hpp"
 #include "preprocessor/optimise_offset.hpp"
 
@@ -51,27 +51,27 @@ void compare_moments(PrepReport& r) {
 }
 
 // What only the run knows that made the file.
-void add_run(io::JsonWriter& json, const PrepReport& r) {
-  json.member("format", r.format);
-  json.member("bodies", r.bodies);
-  json.member("cavities", r.cavities);
-  json.member("trimming_volume_error", r.trimming_error);
-  json.member("box_spans", r.counts.box_spans);
-  json.member("prism_spans", r.counts.prism_spans);
-  json.member("fitted_spans", r.counts.fitted_spans);
-  json.member("refined_spans", r.counts.refined_spans);
+void add_run(io::JsonObject& json, const PrepReport& r) {
+  json.add("format", r.format);
+  json.add("bodies", r.bodies);
+  json.add("cavities", r.cavities);
+  json.add("trimming_volume_error", r.trimming_error);
+  json.add("box_spans", r.counts.box_spans);
+  json.add("prism_spans", r.counts.prism_spans);
+  json.add("fitted_spans", r.counts.fitted_spans);
+  json.add("refined_spans", r.counts.refined_spans);
   if (r.offset) {
-    io::JsonWriter offset;
-    offset.member("light_before", r.offset->light_before);
-    offset.member("light_after", r.offset->light_after);
-    offset.member("evaluations", r.offset->evaluations);
-    json.member("offset", offset);
+    io::JsonObject offset;
+    offset.add("light_before", r.offset->light_before);
+    offset.add("light_after", r.offset->light_after);
+    offset.add("evaluations", r.offset->evaluations);
+    json.add("offset", offset);
   }
-  json.member("warnings", r.warnings);
-  io::JsonWriter timings;
-  for (const auto& [stage, seconds] : r.timings) timings.member(stage, seconds);
-  timings.member("total", total_seconds(r));
-  json.member("timings", timings);
+  json.add("warnings", r.warnings);
+  io::JsonObject timings;
+  for (const auto& [stage, seconds] : r.timings) timings.add(stage, seconds);
+  timings.add("total", total_seconds(r));
+  json.add("timings", timings);
 }
 
 } // namespace
@@ -167,51 +167,51 @@ std::string human_report(const PrepReport& r) {
 }
 
 std::string json_report(const PrepReport& r) {
-  io::JsonWriter json;
-  json.member("input", r.input);
-  json.member("output", r.output);
-  json.member("reused", r.reused);
-  json.member("length_unit", r.length_unit);
-  json.member("volume", r.points_moments.volume);
-  json.member("mesh_volume", r.surface.volume);
-  json.member("volume_error", r.volume_error);
-  json.member("centroid", r.points_moments.centroid);
-  json.member("centroid_error", r.centroid_error);
-  json.member("second_moments", r.points_moments.second_moments);
-  json.member("inertia_error", r.inertia_error);
-  json.member("area", r.area);
-  json.member("area_error", r.area_error);
-  io::JsonWriter spans;
-  spans.member("interior", r.interior);
-  spans.member("trimmed", r.trimmed);
-  spans.member("exterior", r.exterior);
-  json.member("spans", spans);
-  json.member("points", r.points);
-  json.member("points_interior", r.points_interior);
-  json.member("points_trimmed", r.points_trimmed);
-  json.member("surface_points", r.surface_points);
-  json.member("max_residual", r.quadrature.max_residual);
-  json.member("snapped_spans", r.quadrature.snapped_spans);
-  json.member("snapped_volume", r.quadrature.snapped_volume);
-  json.member("dropped_spans", r.quadrature.dropped_spans);
-  json.member("dropped_volume", r.quadrature.dropped_volume);
-  json.member("triangles", r.triangles);
-  json.member("regions", r.regions);
-  json.member("functions", r.functions);
-  json.member("light_functions", r.light_functions);
-  json.member("findings", r.findings);
-  io::JsonWriter grid;
-  grid.member("A", r.grid.A());
-  grid.member("B", r.grid.B());
-  grid.member("spans", r.grid.spans());
-  grid.member("degree", r.grid.degree());
-  grid.member("span_size", r.grid.span_size());
+  io::JsonObject json;
+  json.add("input", r.input);
+  json.add("output", r.output);
+  json.add("reused", r.reused);
+  json.add("length_unit", r.length_unit);
+  json.add("volume", r.points_moments.volume);
+  json.add("mesh_volume", r.surface.volume);
+  json.add("volume_error", r.volume_error);
+  json.add("centroid", r.points_moments.centroid);
+  json.add("centroid_error", r.centroid_error);
+  json.add("second_moments", r.points_moments.second_moments);
+  json.add("inertia_error", r.inertia_error);
+  json.add("area", r.area);
+  json.add("area_error", r.area_error);
+  io::JsonObject spans;
+  spans.add("interior", r.interior);
+  spans.add("trimmed", r.trimmed);
+  spans.add("exterior", r.exterior);
+  json.add("spans", spans);
+  json.add("points", r.points);
+  json.add("points_interior", r.points_interior);
+  json.add("points_trimmed", r.points_trimmed);
+  json.add("surface_points", r.surface_points);
+  json.add("max_residual", r.quadrature.max_residual);
+  json.add("snapped_spans", r.quadrature.snapped_spans);
+  json.add("snapped_volume", r.quadrature.snapped_volume);
+  json.add("dropped_spans", r.quadrature.dropped_spans);
+  json.add("dropped_volume", r.quadrature.dropped_volume);
+  json.add("triangles", r.triangles);
+  json.add("regions", r.regions);
+  json.add("functions", r.functions);
+  json.add("light_functions", r.light_functions);
+  json.add("findings", r.findings);
+  io::JsonObject grid;
+  grid.add("A", r.grid.A());
+  grid.add("B", r.grid.B());
+  grid.add("spans", r.grid.spans());
+  grid.add("degree", r.grid.degree());
+  grid.add("span_size", r.grid.span_size());
   const Rotation& R = r.grid.rotation();
-  grid.member("rotation",
+  grid.add("rotation",
               std::array<double, 9>{R[0][0], R[0][1], R[0][2], R[1][0], R[1][1], R[1][2], R[2][0], R[2][1], R[2][2]});
-  json.member("grid", grid);
+  json.add("grid", grid);
   if (!r.reused) add_run(json, r);
-  json.member("peak_memory_mib", r.peak_memory_mib);
+  json.add("peak_memory_mib", r.peak_memory_mib);
   return json.text();
 }
 

@@ -1,6 +1,7 @@
 // What igaprep says to bad input: exit code 2, a message that names the fault, and no file.
 #include "tests/support/run_program.hpp"
 #include "tests/support/small_surfaces.hpp"
+#include "tests/support/temp_folder.hpp"
 
 #include <fstream>
 #include <gtest/gtest.h>
@@ -25,25 +26,25 @@ struct IgaprepRefuses : testing::TestWithParam<Case> {
   void SetUp() override {
     options.folder = folder.path();
     const std::string cube = ascii_stl(box_mesh({0, 0, 0}, {10, 10, 10}));
-    write_text(folder / "cube.stl", cube);
-    write_text(folder / "empty.stl", "");
-    write_text(folder / "ascii_truncated.stl", cube.substr(0, cube.size() / 2));
-    write_text(folder / "notes.stl", "Dear reader, this is no surface.\n");
-    write_text(folder / "no_facets.stl", "solid nothing\nendsolid nothing\n");
+    write_bytes(folder / "cube.stl", cube);
+    write_bytes(folder / "empty.stl", "");
+    write_bytes(folder / "ascii_truncated.stl", cube.substr(0, cube.size() / 2));
+    write_bytes(folder / "notes.stl", "Dear reader, this is no surface.\n");
+    write_bytes(folder / "no_facets.stl", "solid nothing\nendsolid nothing\n");
     std::string nan = cube;
     nan.replace(nan.find("vertex 0"), 8, "vertex nan");
-    write_text(folder / "nan.stl", nan);
+    write_bytes(folder / "nan.stl", nan);
     std::string binary(84 + 100, '\0');
     binary[80] = 12; // promises 12 facets, holds two
-    write_text(folder / "binary_truncated.stl", binary);
+    write_bytes(folder / "binary_truncated.stl", binary);
     TriangleMesh flat = box_mesh({0, 0, 0}, {10, 10, 0});
-    write_text(folder / "flat.stl", ascii_stl(flat));
+    write_bytes(folder / "flat.stl", ascii_stl(flat));
     TriangleMesh open = box_mesh({0, 0, 0}, {10, 10, 10});
     open.triangles.pop_back();
-    write_text(folder / "open.stl", ascii_stl(open));
-    write_text(folder / "unknown.toml", "input = \"cube.stl\"\n\n[grid]\ndegre = 2\n");
-    write_text(folder / "type.toml", "input = \"cube.stl\"\n[grid]\nspan_size = \"ten\"\n");
-    write_text(folder / "broken.toml", "input = \n");
+    write_bytes(folder / "open.stl", ascii_stl(open));
+    write_bytes(folder / "unknown.toml", "input = \"cube.stl\"\n\n[grid]\ndegre = 2\n");
+    write_bytes(folder / "type.toml", "input = \"cube.stl\"\n[grid]\nspan_size = \"ten\"\n");
+    write_bytes(folder / "broken.toml", "input = \n");
   }
 };
 
@@ -99,18 +100,19 @@ TEST_F(IgaprepOutput, UnwritableFolderIsRefusedBeforeWorkStarts) {
   if (geteuid() == 0) GTEST_SKIP() << "the superuser may write anywhere";
   std::filesystem::permissions(folder.path(), std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
   const ProgramRun run = run_program(IGAPREP, {"cube.stl"}, options);
+  std::filesystem::permissions(folder.path(), std::filesystem::perms::owner_all);
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_NE(run.err.find("not writable"), std::string::npos) << run.err;
 }
 
 TEST_F(IgaprepOutput, FullDiskLeavesTheOldFileAndNoHalfOne) {
-  write_text(folder / "cube.h5", "the old file");
+  write_bytes(folder / "cube.h5", "the old file");
   const auto before = entries(folder.path());
   options.file_size_limit = 4096;
   const ProgramRun run = run_program(IGAPREP, {"cube.stl", "--force"}, options);
   EXPECT_EQ(run.exit_code, 2) << run.err;
   EXPECT_NE(run.err.find("cube.h5"), std::string::npos) << run.err;
-  EXPECT_EQ(read_text(folder / "cube.h5"), "the old file");
+  EXPECT_EQ(read_bytes(folder / "cube.h5"), "the old file");
   EXPECT_EQ(entries(folder.path()), before);
 }
 

@@ -2,6 +2,7 @@
 #include "tests/pipeline/json_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/small_surfaces.hpp"
+#include "tests/support/temp_folder.hpp"
 
 #include <csignal>
 #include <gtest/gtest.h>
@@ -15,7 +16,7 @@ struct Igaprep : testing::Test {
 
   void SetUp() override {
     options.folder = folder.path();
-    write_text(folder / "cube.stl", ascii_stl(box_mesh({0, 0, 0}, {100, 80, 60})));
+    write_bytes(folder / "cube.stl", ascii_stl(box_mesh({0, 0, 0}, {100, 80, 60})));
   }
   ProgramRun run(const std::vector<std::string>& arguments) { return run_program(IGAPREP, arguments, options); }
   std::map<std::string, std::string> json(std::vector<std::string> arguments) {
@@ -63,11 +64,11 @@ TEST_F(Igaprep, ReportsOneJsonObjectWithAllThatScriptsNeed) {
 
 TEST_F(Igaprep, DoesNothingWhereAMatchingFileStands) {
   ASSERT_EQ(run({"cube.stl", "--span-size", "20"}).exit_code, 0);
-  const std::string first = read_text(folder / "cube.h5");
+  const std::string first = read_bytes(folder / "cube.h5");
   const ProgramRun again = run({"cube.stl", "--span-size", "20", "20", "20", "--threads", "1"});
   EXPECT_EQ(again.exit_code, 0) << again.err;
   EXPECT_NE(again.out.find("nothing to do"), std::string::npos) << again.out;
-  EXPECT_EQ(read_text(folder / "cube.h5"), first);
+  EXPECT_EQ(read_bytes(folder / "cube.h5"), first);
   const auto report = json({"cube.stl", "--span-size", "20"});
   EXPECT_EQ(report.at("reused"), "true");
   EXPECT_NEAR(number(report, "volume"), 480000, 480000e-9);
@@ -75,33 +76,33 @@ TEST_F(Igaprep, DoesNothingWhereAMatchingFileStands) {
 
 TEST_F(Igaprep, KeepsAFileThatDoesNotMatchUnlessForced) {
   ASSERT_EQ(run({"cube.stl", "--span-size", "20"}).exit_code, 0);
-  const std::string first = read_text(folder / "cube.h5");
+  const std::string first = read_bytes(folder / "cube.h5");
   const ProgramRun other = run({"cube.stl", "--span-size", "25"});
   EXPECT_EQ(other.exit_code, 2);
   EXPECT_NE(other.err.find("other settings"), std::string::npos) << other.err;
   EXPECT_NE(other.err.find("--force"), std::string::npos) << other.err;
-  EXPECT_EQ(read_text(folder / "cube.h5"), first);
+  EXPECT_EQ(read_bytes(folder / "cube.h5"), first);
 
-  write_text(folder / "cube.stl", ascii_stl(box_mesh({0, 0, 0}, {100, 80, 61})));
+  write_bytes(folder / "cube.stl", ascii_stl(box_mesh({0, 0, 0}, {100, 80, 61})));
   const ProgramRun changed = run({"cube.stl", "--span-size", "20"});
   EXPECT_EQ(changed.exit_code, 2);
   EXPECT_NE(changed.err.find("another input"), std::string::npos) << changed.err;
-  EXPECT_EQ(read_text(folder / "cube.h5"), first);
+  EXPECT_EQ(read_bytes(folder / "cube.h5"), first);
 
   EXPECT_EQ(run({"cube.stl", "--span-size", "20", "--force"}).exit_code, 0);
-  EXPECT_NE(read_text(folder / "cube.h5"), first);
+  EXPECT_NE(read_bytes(folder / "cube.h5"), first);
 }
 
 TEST_F(Igaprep, KeepsAForeignFile) {
-  write_text(folder / "cube.h5", "my notes");
+  write_bytes(folder / "cube.h5", "my notes");
   EXPECT_EQ(run({"cube.stl"}).exit_code, 2);
-  EXPECT_EQ(read_text(folder / "cube.h5"), "my notes");
+  EXPECT_EQ(read_bytes(folder / "cube.h5"), "my notes");
 }
 
 TEST_F(Igaprep, TakesASettingsFileAndLetsFlagsOverrideIt) {
   std::filesystem::create_directory(folder / "sub");
-  write_text(folder / "sub/prep.toml",
-             "input = \"../cube.stl\"\noutput = \"cube.h5\"\n[grid]\nspan_size = 20\ndegree = 1\n");
+  write_bytes(folder / "sub/prep.toml",
+              "input = \"../cube.stl\"\noutput = \"cube.h5\"\n[grid]\nspan_size = 20\ndegree = 1\n");
   const auto r = json({"sub/prep.toml", "--degree", "3", "2", "1"});
   EXPECT_TRUE(std::filesystem::exists(folder / "sub/cube.h5"));
   EXPECT_EQ(number(r, "grid.span_size.0"), 20);
@@ -149,7 +150,7 @@ TEST_F(Igaprep, HelpShowsExamplesAndVersionItsNumber) {
 struct Interrupted : Igaprep, testing::WithParamInterface<int> {};
 
 TEST_P(Interrupted, LeavesTheOldFileAndNothingElse) {
-  write_text(folder / "cube.h5", "the old file");
+  write_bytes(folder / "cube.h5", "the old file");
   options.signal_after = "trim";
   options.signal = GetParam();
   // Fine enough that the work lasts until the signal arrives.
@@ -157,20 +158,20 @@ TEST_P(Interrupted, LeavesTheOldFileAndNothingElse) {
       run({"cube.stl", "--spans", "150", "--rotate-axis-angle", "1", "2", "3", "20", "--degree", "3", "--force"});
   EXPECT_EQ(done.exit_code, 128 + GetParam()) << done.err;
   EXPECT_EQ(entries(folder.path()), (std::vector<std::string>{"cube.h5", "cube.stl"}));
-  EXPECT_EQ(read_text(folder / "cube.h5"), "the old file");
+  EXPECT_EQ(read_bytes(folder / "cube.h5"), "the old file");
 }
 
 INSTANTIATE_TEST_SUITE_P(Signals, Interrupted, testing::Values(SIGINT, SIGTERM));
 
 TEST_F(Igaprep, KilledHardKeepsTheOldFile) {
-  write_text(folder / "cube.h5", "the old file");
+  write_bytes(folder / "cube.h5", "the old file");
   options.signal_after = "write";
   options.signal = SIGKILL;
   const ProgramRun done = run({"cube.stl", "--spans", "40", "--force"});
   // The kill may come a moment late: then the new file is whole.
   const bool finished = done.exit_code == 0;
   EXPECT_TRUE(finished || done.exit_code == 128 + SIGKILL);
-  const std::string now = read_text(folder / "cube.h5");
+  const std::string now = read_bytes(folder / "cube.h5");
   if (now == "the old file") return;
   options = {};
   options.folder = folder.path();

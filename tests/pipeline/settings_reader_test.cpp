@@ -1,7 +1,7 @@
 #include "format/io/settings_reader.hpp"
 
 #include "format/model/errors.hpp"
-#include "tests/support/run_program.hpp"
+#include "tests/support/temp_folder.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@ namespace {
 using test::TempFolder;
 
 SettingsTable table_of(const TempFolder& folder, const std::string& text) {
-  test::write_text(folder / "run.toml", text);
+  test::write_bytes(folder / "run.toml", text);
   return SettingsTable::read(folder / "run.toml");
 }
 

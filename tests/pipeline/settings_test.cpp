@@ -1,7 +1,7 @@
 #include "preprocessor/settings.hpp"
 
 #include "format/model/errors.hpp"
-#include "tests/support/run_program.hpp"
+#include "tests/support/temp_folder.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>
@@ -47,7 +47,7 @@ TEST(Settings, FileIsReadWithPathsRelativeToIt) {
   const test::TempFolder folder;
   std::filesystem::create_directory(folder / "sub");
   const auto file = folder / "sub/prep.toml";
-  test::write_text(file, R"(
+  test::write_bytes(file, R"(
 input = "../part.stl"
 output = "part.h5"
 scale = 2
@@ -88,7 +88,7 @@ tolerance = 1e-9
 TEST(Settings, FileWithAnUnknownKeyNamesLineAndNearestKey) {
   const test::TempFolder folder;
   const auto file = folder / "prep.toml";
-  test::write_text(file, "input = \"a.stl\"\n[grid]\nspan_sizes = 3\n");
+  test::write_bytes(file, "input = \"a.stl\"\n[grid]\nspan_sizes = 3\n");
   try {
     read_settings_file(file);
     FAIL();

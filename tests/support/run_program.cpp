@@ -3,10 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <csignal>
-#include <cstdlib>
 #include <fcntl.h>
-#include <fstream>
-#include <iterator>
 #include <poll.h>
 #include <stdexcept>
 #include <sys/resource.h>
@@ -45,18 +42,6 @@ struct Pipe {
 }
 
 } // namespace
-
-TempFolder::TempFolder() {
-  std::string name = (fs::temp_directory_path() / "iga-test-XXXXXX").string();
-  if (!mkdtemp(name.data())) throw std::runtime_error("no temporary folder can be made");
-  path_ = name;
-}
-
-TempFolder::~TempFolder() {
-  std::error_code ignored;
-  fs::permissions(path_, fs::perms::owner_all, ignored);
-  fs::remove_all(path_, ignored);
-}
 
 ProgramRun run_program(const fs::path& program, const std::vector<std::string>& arguments, const RunOptions& options) {
   Pipe out, err;
@@ -98,16 +83,6 @@ ProgramRun run_program(const fs::path& program, const std::vector<std::string>& 
   waitpid(child, &status, 0);
   run.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   return run;
-}
-
-std::string read_text(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-void write_text(const fs::path& file, const std::string& text) {
-  std::ofstream stream(file, std::ios::binary);
-  stream << text;
 }
 
 std::vector<std::string> entries(const fs::path& folder) {

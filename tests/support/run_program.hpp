@@ -8,20 +8,6 @@
 
 namespace iga::test {
 
-/// A folder that is removed with all it holds when the test ends.
-class TempFolder {
- public:
-  TempFolder();
-  ~TempFolder();
-  TempFolder(const TempFolder&) = delete;
-  TempFolder& operator=(const TempFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-
- private:
-  std::filesystem::path path_;
-};
-
 struct ProgramRun {
   int exit_code = -1; ///< 128 + the signal's number where a signal ended it
   std::string out, err;
@@ -37,8 +23,6 @@ struct RunOptions {
 ProgramRun run_program(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                        const RunOptions& options);
 
-std::string read_text(const std::filesystem::path& file);
-void write_text(const std::filesystem::path& file, const std::string& text);
 /// Names of all entries of a folder, sorted.
 std::vector<std::string> entries(const std::filesystem::path& folder);
 
