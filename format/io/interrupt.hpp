@@ -1,0 +1,18 @@
+// Ctrl-C and kill: a flag that the stages poll, so that nothing is left half-written.
+#pragma once
+
+namespace iga::io {
+
+/// Thrown where a poll finds the flag set; ends the program with 128 + the signal's number.
+struct Interrupted {};
+
+/// From now on the first SIGINT or SIGTERM only sets the flag; a second one ends the program at once.
+void install_signal_handlers();
+
+/// Number of the signal that arrived, 0 for none.
+int pending_signal();
+
+/// @throws Interrupted if a signal arrived
+void stop_if_interrupted();
+
+} // namespace iga::io

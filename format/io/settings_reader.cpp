@@ -1,0 +1,233 @@
+#include "format/io/settings_reader.hpp"
+
+#include "format/model/errors.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <numeric>
+#include <set>
+#include <toml++/toml.h>
+
+namespace iga::io {
+
+struct SettingsTable::File {
+  std::filesystem::path path;
+  toml::table root;
+  std::set<std::string> known; // full paths of keys and tables that were asked for
+};
+
+namespace {
+
+std::string join(const std::string& path, std::string_view key) {
+  return path.empty() ? std::string(key) : fmt::format("{}.{}", path, key);
+}
+
+// "grid.degree" → "degree in [grid]"
+std::string spoken(const std::string& full) {
+  const auto dot = full.rfind('.');
+  return dot == std::string::npos ? fmt::format("'{}'", full)
+                                  : fmt::format("'{}' in [{}]", full.substr(dot + 1), full.substr(0, dot));
+}
+
+std::string found(const toml::node& node) {
+  switch (node.type()) {
+  case toml::node_type::table:
+    return "a table";
+  case toml::node_type::array:
+    return fmt::format("a list of {}", node.as_array()->size());
+  case toml::node_type::string:
+    return fmt::format("the text \"{}\"", node.as_string()->get());
+  case toml::node_type::integer:
+    return fmt::format("the integer {}", node.as_integer()->get());
+  case toml::node_type::floating_point:
+    return fmt::format("the number {}", node.as_floating_point()->get());
+  case toml::node_type::boolean:
+    return node.as_boolean()->get() ? "true" : "false";
+  default:
+    return "a date or time";
+  }
+}
+
+[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& key, const toml::node& node,
+                         const std::string& expected) {
+  throw InputError(fmt::format("{}:{}: {}: found {}, expected {}", file.string(), node.source().begin.line, spoken(key),
+                               found(node), expected));
+}
+
+std::string length_list(std::initializer_list<std::size_t> lengths) {
+  return fmt::format("{}", fmt::join(lengths, " or "));
+}
+
+std::optional<double> finite_number(const toml::node& node) {
+  std::optional<double> value;
+  if (node.is_integer()) value = static_cast<double>(node.as_integer()->get());
+  if (node.is_floating_point()) value = node.as_floating_point()->get();
+  return value && std::isfinite(*value) ? value : std::nullopt;
+}
+
+std::optional<std::int64_t> whole_number(const toml::node& node) {
+  return node.is_integer() ? std::optional<std::int64_t>(node.as_integer()->get()) : std::nullopt;
+}
+
+// A list of an allowed length whose entries `convert` accepts; nothing where the node is anything else.
+template <class T>
+std::optional<std::vector<T>> list_of(const toml::node& node, std::initializer_list<std::size_t> lengths,
+                                      std::optional<T> (*convert)(const toml::node&)) {
+  const auto allowed = [&](std::size_t n) { return std::find(lengths.begin(), lengths.end(), n) != lengths.end(); };
+  if (!node.is_array()) {
+    const auto value = convert(node);
+    return value && allowed(1) ? std::optional(std::vector<T>{*value}) : std::nullopt;
+  }
+  const toml::array& array = *node.as_array();
+  if (!allowed(array.size())) return std::nullopt;
+  std::vector<T> values;
+  for (const toml::node& entry : array) {
+    const auto value = convert(entry);
+    if (!value) return std::nullopt;
+    values.push_back(*value);
+  }
+  return values;
+}
+
+const toml::node* node_of(const void* table, std::string_view key) {
+  return table ? static_cast<const toml::table*>(table)->get(key) : nullptr;
+}
+
+} // namespace
+
+SettingsTable::SettingsTable(std::shared_ptr<File> file, std::string path, const void* node)
+    : file_(std::move(file)), path_(std::move(path)), node_(node) {}
+
+SettingsTable SettingsTable::read(const std::filesystem::path& file) {
+  if (!std::filesystem::is_regular_file(file))
+    throw InputError(fmt::format("{}: no such settings file", file.string()));
+  auto data = std::make_shared<File>();
+  data->path = file;
+  try {
+    data->root = toml::parse_file(file.string());
+  } catch (const toml::parse_error& error) {
+    throw InputError(fmt::format("{}:{}:{}: this is no valid TOML: {}", file.string(), error.source().begin.line,
+                                 error.source().begin.column, error.description()));
+  }
+  const void* root = &data->root;
+  return {std::move(data), "", root};
+}
+
+SettingsTable SettingsTable::table(std::string_view key) {
+  const std::string full = join(path_, key);
+  file_->known.insert(full);
+  const toml::node* node = node_of(node_, key);
+  if (node && !node->is_table()) refuse(file_->path, full, *node, fmt::format("a table, written as [{}]", full));
+  return {file_, full, node ? node->as_table() : nullptr};
+}
+
+std::optional<bool> SettingsTable::boolean(std::string_view key) {
+  const std::string full = join(path_, key);
+  file_->known.insert(full);
+  const toml::node* node = node_of(node_, key);
+  if (!node) return std::nullopt;
+  if (!node->is_boolean()) refuse(file_->path, full, *node, "true or false");
+  return node->as_boolean()->get();
+}
+
+std::optional<std::string> SettingsTable::text(std::string_view key) {
+  const std::string full = join(path_, key);
+  file_->known.insert(full);
+  const toml::node* node = node_of(node_, key);
+  if (!node) return std::nullopt;
+  if (!node->is_string()) refuse(file_->path, full, *node, "a text in quotes");
+  return node->as_string()->get();
+}
+
+std::optional<double> SettingsTable::number(std::string_view key) {
+  const auto list = numbers(key, {1});
+  return list ? std::optional(list->front()) : std::nullopt;
+}
+
+std::optional<std::int64_t> SettingsTable::integer(std::string_view key) {
+  const auto list = integers(key, {1});
+  return list ? std::optional(list->front()) : std::nullopt;
+}
+
+std::optional<std::vector<double>> SettingsTable::numbers(std::string_view key,
+                                                          std::initializer_list<std::size_t> lengths) {
+  const std::string full = join(path_, key);
+  file_->known.insert(full);
+  const toml::node* node = node_of(node_, key);
+  if (!node) return std::nullopt;
+  auto values = list_of<double>(*node, lengths, finite_number);
+  if (!values) refuse(file_->path, full, *node, fmt::format("{} finite number(s)", length_list(lengths)));
+  return values;
+}
+
+std::optional<std::vector<std::int64_t>> SettingsTable::integers(std::string_view key,
+                                                                 std::initializer_list<std::size_t> lengths) {
+  const std::string full = join(path_, key);
+  file_->known.insert(full);
+  const toml::node* node = node_of(node_, key);
+  if (!node) return std::nullopt;
+  auto values = list_of<std::int64_t>(*node, lengths, whole_number);
+  if (!values) refuse(file_->path, full, *node, fmt::format("{} integer(s)", length_list(lengths)));
+  return values;
+}
+
+bool SettingsTable::holds_text(std::string_view key) const {
+  const toml::node* node = node_of(node_, key);
+  return node && node->is_string();
+}
+
+void SettingsTable::refuse_unknown_keys() const {
+  if (!node_) return;
+  for (const auto& [key, node] : *static_cast<const toml::table*>(node_)) {
+    const std::string full = join(path_, key.str());
+    if (file_->known.contains(full)) {
+      if (node.is_table()) SettingsTable(file_, full, node.as_table()).refuse_unknown_keys();
+      continue;
+    }
+    // The same name in another table is the likeliest slip, then a misspelt name of this table.
+    std::vector<std::string> here;
+    std::optional<std::string> meant;
+    for (const std::string& name : file_->known) {
+      const auto dot = name.rfind('.');
+      const std::string last = dot == std::string::npos ? name : name.substr(dot + 1);
+      if ((dot == std::string::npos ? "" : name.substr(0, dot)) == path_) here.push_back(last);
+      if (last == key.str()) meant = name;
+    }
+    if (!meant)
+      if (const auto near = nearest_name(key.str(), here)) meant = join(path_, *near);
+    const std::string advice = meant ? fmt::format("did you mean {}?", spoken(*meant))
+                                     : fmt::format("known keys here: {}", fmt::join(here, ", "));
+    throw InputError(
+        fmt::format("{}:{}: unknown key {}; {}", file_->path.string(), key.source().begin.line, spoken(full), advice));
+  }
+}
+
+std::optional<std::string> nearest_name(std::string_view word, const std::vector<std::string>& names) {
+  // Levenshtein (1966), two rows.
+  const auto distance = [&](std::string_view name) {
+    std::vector<std::size_t> row(name.size() + 1);
+    std::iota(row.begin(), row.end(), std::size_t{0});
+    for (std::size_t i = 0; i < word.size(); ++i) {
+      std::size_t diagonal = row[0];
+      row[0] = i + 1;
+      for (std::size_t j = 0; j < name.size(); ++j) {
+        const std::size_t change = diagonal + (word[i] == name[j] ? 0 : 1);
+        diagonal = row[j + 1];
+        row[j + 1] = std::min({row[j] + 1, row[j + 1] + 1, change});
+      }
+    }
+    return row.back();
+  };
+  std::optional<std::string> best;
+  std::size_t least = std::max<std::size_t>(2, word.size() / 3) + 1;
+  for (const std::string& name : names)
+    if (const std::size_t d = distance(name); d < least) {
+      least = d;
+      best = name;
+    }
+  return best;
+}
+
+} // namespace iga::io

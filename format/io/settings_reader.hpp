@@ -1,0 +1,52 @@
+// TOML settings for both tools: every key is asked for by name and type, so that what nobody asked for is a typing
+// error.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <initializer_list>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace iga::io {
+
+/// One table of a settings file. The getters return nothing for an absent key.
+/// All of them throw InputError "file:line: key: found this, expected that" for a value of another type, and for
+/// numbers that are not finite.
+class SettingsTable {
+ public:
+  /// The root table. @throws InputError for a file that is missing or is no TOML (with line and column)
+  static SettingsTable read(const std::filesystem::path& file);
+
+  /// A sub-table; an absent one is empty (its keys still count as known).
+  SettingsTable table(std::string_view key);
+  std::optional<bool> boolean(std::string_view key);
+  std::optional<std::string> text(std::string_view key);
+  std::optional<double> number(std::string_view key);
+  std::optional<std::int64_t> integer(std::string_view key);
+  /// Lists of one of the given lengths; where 1 is among them, a bare number counts as a list of one.
+  std::optional<std::vector<double>> numbers(std::string_view key, std::initializer_list<std::size_t> lengths);
+  std::optional<std::vector<std::int64_t>> integers(std::string_view key, std::initializer_list<std::size_t> lengths);
+  /// True where the key holds a string: for keys that take either a word or numbers.
+  bool holds_text(std::string_view key) const;
+
+  /// Call on the root after every key was asked for. @throws InputError naming the line and the nearest known key
+  void refuse_unknown_keys() const;
+
+ private:
+  struct File;
+  SettingsTable(std::shared_ptr<File> file, std::string path, const void* node);
+
+  std::shared_ptr<File> file_;
+  std::string path_;           // "" for the root, "grid" for [grid]
+  const void* node_ = nullptr; // the parser's table; null where absent
+};
+
+/// The name with the smallest edit distance to `word`, or nothing where none is similar (a third of its letters
+/// differ).
+std::optional<std::string> nearest_name(std::string_view word, const std::vector<std::string>& names);
+
+} // namespace iga::io

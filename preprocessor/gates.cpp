@@ -1,0 +1,143 @@
+#include "preprocessor/gates.hpp"
+
+#include "format/model/errors.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace iga::prep {
+
+namespace {
+
+constexpr std::size_t leaks_shown = 5;
+// A part that loses more of its volume to snapping lies, as a whole, within the sliver depth.
+constexpr double snapped_share = 1e-3;
+
+std::string text(const Point3& p) {
+  return fmt::format("({:.6g}, {:.6g}, {:.6g})", p[0], p[1], p[2]);
+}
+
+// Position of a span's centre.
+Point3 centre_of(const SplineGrid& grid, const Index3& ijk) {
+  const Box3 box = grid.span_box(ijk);
+  Point3 u;
+  for (std::size_t d = 0; d < 3; ++d) u[d] = 0.5 * (box.lower[d] + box.upper[d]);
+  return grid.to_position(u);
+}
+
+std::string leak_list(const SplineGrid& grid, const Trimming& trimming) {
+  std::string list;
+  for (std::size_t i = 0; i < std::min(leaks_shown, trimming.leaks.size()); ++i) {
+    const Leak& leak = trimming.leaks[i];
+    list += fmt::format("\n  row of span ({}, {}, {}) near {}: the volume is off by {:.3g} spans", leak.span[0],
+                        leak.span[1], leak.span[2], text(centre_of(grid, leak.span)), leak.error);
+  }
+  return list;
+}
+
+// Leaks are the user's choice under --accept-leaks and an error otherwise.
+void refuse_or_warn(bool accept, std::vector<std::string>& warnings, const std::string& finding,
+                    const std::string& advice) {
+  if (!accept) throw InputError(finding + "\n" + advice);
+  warnings.push_back(finding + "\naccepted as asked (--accept-leaks): volumes near these places are not exact");
+}
+
+bool leaks(const Trimming& trimming) {
+  return trimming.worst_leak > volume_tolerance;
+}
+
+} // namespace
+
+std::vector<std::string> judge_trimming(const SplineGrid& grid, const Trimming& trimming, double mesh_volume,
+                                        bool accept_leaks) {
+  std::vector<std::string> warnings;
+  if (leaks(trimming))
+    refuse_or_warn(
+        accept_leaks, warnings,
+        fmt::format("the surface leaks in {} row(s) of spans:{}", trimming.num_leaks, leak_list(grid, trimming)),
+        "Mend it with --repair (fills holes, removes self-intersections) or, as the last resort, --wrap; "
+        "--accept-leaks goes on with it as it is.");
+  const double difference = std::abs(trimming.exact_volume - mesh_volume);
+  if (!(difference <= volume_tolerance * std::abs(mesh_volume)))
+    refuse_or_warn(
+        accept_leaks, warnings,
+        fmt::format("the spans hold the volume {:.10g}, the surface encloses {:.10g} (relative difference {:.3g}, "
+                    "allowed {:.0e})",
+                    trimming.exact_volume, mesh_volume, difference / std::abs(mesh_volume), volume_tolerance),
+        "The surface is not closed or not oriented: mend it with --repair or, as the last resort, --wrap.");
+  if (std::abs(trimming.snapped_volume) > snapped_share * std::abs(mesh_volume))
+    throw InputError(
+        fmt::format("snapping slivers would change the part's volume by {:.3g} of {:.6g}: the part is thinner "
+                    "than the sliver depth of its spans\nChoose smaller spans (--span-size) or a smaller "
+                    "--sliver-tolerance.",
+                    trimming.snapped_volume, mesh_volume));
+  if (trimming.active.empty())
+    throw InputError(fmt::format("no span holds material ({} trimmed span(s) of volume {:.3g} were dropped by "
+                                 "--min-fraction): choose smaller spans or a smaller --min-fraction",
+                                 trimming.dropped_spans, trimming.dropped_volume));
+  return warnings;
+}
+
+std::vector<std::string> judge_winding(const WindingReport& winding, const Trimming& trimming, bool accept_leaks) {
+  std::vector<std::string> warnings;
+  if (winding.bad_lines > 0)
+    refuse_or_warn(
+        accept_leaks && leaks(trimming), warnings,
+        fmt::format("the surface does not bound one solid: {} of {} test lines meet a winding number other than 0 "
+                    "or 1 (worst {}, near {}), over a length of {:.3g} in all",
+                    winding.bad_lines, winding.num_lines, winding.worst_winding, text(winding.where),
+                    winding.bad_length),
+        "Bodies overlap, or the surface crosses itself: its volume would count twice. Mend it with --repair "
+        "(union of the bodies) or, as the last resort, --wrap.");
+  if (winding.glued_functions > 0)
+    warnings.push_back(
+        fmt::format("{} function(s) reach across a gap or into two bodies (first near {}): these will act as "
+                    "glued; choose smaller spans or separate files where they must move apart",
+                    winding.glued_functions, text(winding.glued_where)));
+  return warnings;
+}
+
+void judge_weights(double point_volume, const QuadratureInfo& info) {
+  const double expected = info.part_volume + info.snapped_volume - info.dropped_volume;
+  const double error = std::abs(point_volume - expected) / std::abs(info.part_volume);
+  const double allowed = std::max(volume_tolerance, info.tolerance);
+  if (!(error <= allowed))
+    throw InputError(fmt::format("the quadrature weights sum to {:.10g}, expected {:.10g} (surface {:.10g}, snapped "
+                                 "{:+.3g}, dropped {:.3g}): relative difference {:.3g}, allowed {:.0e}\nLower "
+                                 "--tolerance, or mend the surface with --repair.",
+                                 point_volume, expected, info.part_volume, info.snapped_volume, info.dropped_volume,
+                                 error, allowed));
+}
+
+VolumeMoments point_moments(const SplineGrid& grid, const IntegrationPoints& points, const Point3& about) {
+  constexpr std::array<std::array<std::size_t, 2>, 6> pairs{{{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {2, 0}}};
+  VolumeMoments m;
+  Point3 first{};
+  std::array<double, 6> second{};
+  // Sums per span first: rounding then grows with the number of spans, not of points.
+  for (std::size_t a = 0; a + 1 < points.offsets.size(); ++a) {
+    double w = 0;
+    Point3 wx{};
+    std::array<double, 6> wxx{};
+    for (auto q = static_cast<std::size_t>(points.offsets[a]); q < static_cast<std::size_t>(points.offsets[a + 1]);
+         ++q) {
+      const Point3 x =
+          grid.to_position({points.parameters[3 * q], points.parameters[3 * q + 1], points.parameters[3 * q + 2]});
+      const Point3 r{x[0] - about[0], x[1] - about[1], x[2] - about[2]};
+      w += points.weights[q];
+      for (std::size_t d = 0; d < 3; ++d) wx[d] += points.weights[q] * r[d];
+      for (std::size_t e = 0; e < 6; ++e) wxx[e] += points.weights[q] * r[pairs[e][0]] * r[pairs[e][1]];
+    }
+    m.volume += w;
+    for (std::size_t d = 0; d < 3; ++d) first[d] += wx[d];
+    for (std::size_t e = 0; e < 6; ++e) second[e] += wxx[e];
+  }
+  if (m.volume == 0) return m;
+  for (std::size_t d = 0; d < 3; ++d) m.centroid[d] = about[d] + first[d] / m.volume;
+  for (std::size_t e = 0; e < 6; ++e)
+    m.second_moments[e] = second[e] - first[pairs[e][0]] * first[pairs[e][1]] / m.volume;
+  return m;
+}
+
+} // namespace iga::prep

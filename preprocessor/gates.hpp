@@ -1,0 +1,33 @@
+// What must hold before a file is written: no input may lead to a silently wrong volume.
+#pragma once
+
+#include "format/model/trimmed_model.hpp"
+#include "preprocessor/line_winding.hpp"
+#include "preprocessor/trim.hpp"
+
+#include <string>
+#include <vector>
+
+namespace iga::prep {
+
+/// Relative bound on volumes that are equal in exact arithmetic: far above the rounding of a million pieces, far below
+/// what a missing triangle or a span counted twice leaves.
+constexpr double volume_tolerance = 1e-9;
+
+/// Judges the trimming and the winding numbers of a surface that encloses `mesh_volume`.
+/// @param accept_leaks  findings that come from an open surface become warnings; overlaps in a closed surface never do
+/// @returns warnings, one sentence each
+/// @throws InputError with what was found, where, and the option that mends it
+std::vector<std::string> judge_trimming(const SplineGrid& grid, const Trimming& trimming, double mesh_volume,
+                                        bool accept_leaks);
+std::vector<std::string> judge_winding(const WindingReport& winding, const Trimming& trimming, bool accept_leaks);
+
+/// Σ weights against the part's volume, plus what snapping added, less what was dropped.
+/// @throws InputError where they differ by more than the larger of `volume_tolerance` and the rules' own tolerance
+void judge_weights(double point_volume, const QuadratureInfo& info);
+
+/// Volume, centroid and second moments of the points: Σ w, Σ w x / Σ w, Σ w r_a r_b about the centroid.
+/// @param about  a position near the part (sums are taken relative to it), e.g. the surface's centroid
+VolumeMoments point_moments(const SplineGrid& grid, const IntegrationPoints& points, const Point3& about);
+
+} // namespace iga::prep

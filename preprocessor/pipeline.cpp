@@ -1,0 +1,239 @@
+#include "preprocessor/pipeline.hpp"
+
+#include "format/io/interrupt.hpp"
+#include "format/io/sha256.hpp"
+#include "format/io/trimmed_model_io.hpp"
+#include "format/model/errors.hpp"
+#include "preprocessor/gates.hpp"
+#include "preprocessor/optimise_offset.hpp"
+#include "preprocessor/read_mesh.hpp"
+#include "preprocessor/surface_quadrature.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <numeric>
+#include <unistd.h>
+
+namespace iga::prep {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// Times the stages and lets an interrupt through between them.
+class Stages {
+ public:
+  explicit Stages(io::Progress& progress) : progress_(progress) {}
+
+  template <class Work> auto run(const std::string& name, Work&& work) {
+    io::stop_if_interrupted();
+    progress_.start(name);
+    const Timer timer{*this, name};
+    return work();
+  }
+  std::vector<std::pair<std::string, double>> timings;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Timer {
+    Stages& stages;
+    std::string name;
+    Clock::time_point begin = Clock::now();
+    ~Timer() {
+      stages.timings.emplace_back(name, std::chrono::duration<double>(Clock::now() - begin).count());
+      stages.progress_.finish();
+    }
+  };
+  io::Progress& progress_;
+};
+
+// Refuses at once what would fail, or do harm, after the work is done.
+void check_paths(const Settings& s) {
+  if (!fs::exists(s.input)) throw InputError(fmt::format("{}: no such file", s.input.string()));
+  const fs::path folder = s.output.has_parent_path() ? s.output.parent_path() : fs::path(".");
+  if (!fs::is_directory(folder)) throw InputError(fmt::format("{}: the output folder does not exist", folder.string()));
+  if (access(folder.c_str(), W_OK) != 0)
+    throw InputError(fmt::format("{}: the output folder is not writable", folder.string()));
+  if (!fs::exists(s.output)) return;
+  if (!fs::is_regular_file(s.output))
+    throw InputError(
+        fmt::format("{}: the output exists and is no ordinary file; choose another name", s.output.string()));
+  if (fs::equivalent(s.input, s.output))
+    throw InputError(fmt::format("{}: the output would replace the input; choose another name", s.output.string()));
+}
+
+// True where the output holds what this run would make; refuses to replace anything else unless forced.
+bool stands_already(const Settings& s, const RunInfo& run) {
+  if (run.force || !fs::exists(s.output)) return false;
+  const auto refuse = [&](const std::string& why) {
+    throw InputError(fmt::format("{}: the file exists and {}; choose another output or replace it with --force",
+                                 s.output.string(), why));
+  };
+  Provenance found;
+  try {
+    found = io::read_provenance(s.output);
+  } catch (const std::exception& error) {
+    refuse(fmt::format("is no sound model file ({})", error.what()));
+  }
+  const Provenance ours;
+  if (found.producer != ours.producer || found.inputs.size() != 1) refuse("was made by another program");
+  if (found.version != IGA_VERSION)
+    refuse(fmt::format("was made by version {}, this is {}", found.version, IGA_VERSION));
+  if (found.inputs[0].sha256 != io::sha256_file(s.input)) refuse("was made from another input");
+  if (found.settings_sha256 != settings_hash(s)) refuse("was made with other settings");
+  return true;
+}
+
+std::string now_utc() {
+  const std::time_t now = std::time(nullptr);
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(now));
+}
+
+void append(std::vector<std::string>& to, const std::vector<std::string>& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+QuadratureInfo quadrature_info(const Settings& s, const Trimming& trimming, double part_volume, double max_residual) {
+  QuadratureInfo info;
+  info.interior_rule = s.quadrature.interior_rule;
+  info.trimmed_rule = s.quadrature.trimmed_rule;
+  info.moment_degree = s.quadrature.moment_degree;
+  info.tolerance = s.quadrature.tolerance;
+  info.max_residual = max_residual;
+  info.sliver_tolerance = s.trim.sliver_tolerance;
+  info.min_fraction = s.trim.min_fraction;
+  info.part_volume = part_volume;
+  info.snapped_volume = trimming.snapped_volume;
+  info.dropped_volume = trimming.dropped_volume;
+  info.snapped_spans = trimming.snapped_spans;
+  info.dropped_spans = trimming.dropped_spans;
+  return info;
+}
+
+// The grid, shifted where the user asked for it.
+SplineGrid choose_grid(const Settings& s, const TriangleMesh& mesh, io::Progress& progress, PrepReport& report) {
+  GridChoice choice = make_grid(mesh, s.grid);
+  append(report.findings, choice.notes);
+  if (!s.optimise_offset) return choice.grid;
+  const OffsetSearch search = optimise_offset(
+      *choice.frame, mesh, s.trim, [&](std::int64_t done, std::int64_t total) { progress.update(done, total); },
+      [] { return io::pending_signal() != 0; });
+  io::stop_if_interrupted();
+  report.offset = OffsetGain{search.light_before, search.light_after, search.evaluations};
+  return place_grid(*choice.frame, search.offset);
+}
+
+QuadratureResult make_points(const Settings& s, const SplineGrid& grid, const Trimming& trimming,
+                             io::Progress& progress) {
+  QuadratureOptions options = s.quadrature;
+  options.progress = [&](std::int64_t done, std::int64_t total) { progress.update(done, total); };
+  options.cancelled = [] { return io::pending_signal() != 0; };
+  try {
+    return build_quadrature(grid, trimming, options);
+  } catch (const Cancelled&) {
+    throw io::Interrupted{};
+  }
+}
+
+// What the file that stands there already says of itself; reading it checks that it is sound.
+PrepReport report_standing(const Settings& s, PrepReport report) {
+  report.reused = true;
+  try {
+    const TrimmedModel model = io::read_model(s.output);
+    describe_model(report, model);
+    report.findings = model.provenance.findings;
+  } catch (const FormatError& error) {
+    throw InputError(
+        fmt::format("the file matches this run but is damaged; replace it with --force\n{}", error.what()));
+  }
+  report.peak_memory_mib = peak_memory_mib();
+  return report;
+}
+
+Provenance provenance_of(const Settings& s, const RunInfo& run, const std::string& input_sha256,
+                         const PrepReport& report, const Stages& stages) {
+  Provenance p;
+  p.version = IGA_VERSION;
+  p.command_line = run.command_line;
+  p.inputs = {{s.input.filename().string(), input_sha256}};
+  p.settings_sha256 = settings_hash(s);
+  p.created = now_utc();
+  p.timings = stages.timings;
+  p.findings = report.findings;
+  append(p.findings, report.warnings);
+  return p;
+}
+
+} // namespace
+
+std::string settings_hash(const Settings& settings) {
+  return io::sha256_text(canonical_text(settings) + "version = " + IGA_VERSION + "\n");
+}
+
+PrepReport run_pipeline(const Settings& s, const RunInfo& run, io::Progress& progress) {
+  PrepReport report;
+  report.input = s.input.string();
+  report.output = s.output.string();
+  check_paths(s);
+  if (stands_already(s, run)) return report_standing(s, std::move(report));
+
+  Stages stages(progress);
+  ReadMesh read = stages.run("read", [&] { return read_mesh(s.input, s.scale); });
+  report.format = read.format;
+  append(report.findings, read.notes);
+  const std::string input_sha256 = read.sha256;
+  const PreparedSurface surface = stages.run("surface", [&] { return prepare_surface(std::move(read), s.surface); });
+  report.bodies = surface.bodies;
+  report.cavities = surface.cavities;
+  append(report.findings, surface.findings);
+  append(report.warnings, surface.warnings);
+
+  TrimmedModel model;
+  model.title = s.title;
+  model.length_unit = s.length_unit;
+  model.grid = stages.run("grid", [&] { return choose_grid(s, surface.mesh, progress, report); });
+  Trimming trimming = stages.run("trim", [&] { return trim(model.grid, surface.mesh, s.trim); });
+  const double mesh_volume = volume_moments(surface.mesh).volume;
+  report.trimming_error = std::abs(trimming.exact_volume - mesh_volume) / std::abs(mesh_volume);
+  append(report.warnings, judge_trimming(model.grid, trimming, mesh_volume, s.surface.accept_leaks));
+  const WindingReport winding =
+      stages.run("winding", [&] { return check_winding(model.grid, surface.mesh, trimming, s.trim.sliver_tolerance); });
+  append(report.warnings, judge_winding(winding, trimming, s.surface.accept_leaks));
+
+  QuadratureResult quadrature =
+      stages.run("quadrature", [&] { return make_points(s, model.grid, trimming, progress); });
+  report.counts = quadrature.counts;
+  model.points = std::move(quadrature.points);
+  // Without leaks the two volumes agree to rounding; an accepted leak leaves only the one that the spans hold.
+  const bool leaks = trimming.worst_leak > volume_tolerance || report.trimming_error > volume_tolerance;
+  model.quadrature = quadrature_info(s, trimming, leaks ? trimming.exact_volume : mesh_volume, quadrature.max_residual);
+  FunctionMass mass = stages.run("functions", [&] { return function_mass(model.grid, trimming, model.points); });
+  model.active_functions = std::move(mass.functions);
+  model.mass_fraction = std::move(mass.mass_fraction);
+  model.surface =
+      stages.run("surface points", [&] { return make_embedded_surface(model.grid, surface.mesh, trimming); });
+  model.surface.accepted_leak = leaks ? trimming.worst_leak : 0;
+  model.state = std::move(trimming.state);
+  model.active = std::move(trimming.active);
+  model.volume_fraction = std::move(trimming.fraction);
+
+  stages.run("check", [&] {
+    describe_model(report, model);
+    judge_weights(report.points_moments.volume, model.quadrature);
+    if (const std::vector<std::string> faults = check(model); !faults.empty())
+      throw std::logic_error(
+          fmt::format("the model breaks its own rules, nothing was written: {}", fmt::join(faults, "; ")));
+  });
+  model.provenance = provenance_of(s, run, input_sha256, report, stages);
+  stages.run("write", [&] { io::write_model(s.output, model); });
+  report.timings = stages.timings;
+  report.peak_memory_mib = peak_memory_mib();
+  return report;
+}
+
+} // namespace iga::prep

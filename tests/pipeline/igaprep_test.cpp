@@ -1,0 +1,182 @@
+// igaprep as a user meets it: a part in, a model file and a report out, nothing done twice.
+#include "tests/pipeline/json_text.hpp"
+#include "tests/support/run_program.hpp"
+#include "tests/support/small_surfaces.hpp"
+#include "tests/support/temp_folder.hpp"
+
+#include <csignal>
+#include <gtest/gtest.h>
+
+namespace iga::test {
+namespace {
+
+struct Igaprep : testing::Test {
+  TempFolder folder;
+  RunOptions options;
+
+  void SetUp() override {
+    options.folder = folder.path();
+    write_bytes(folder / "cube.stl", ascii_stl(box_mesh({0, 0, 0}, {100, 80, 60})));
+  }
+  ProgramRun run(const std::vector<std::string>& arguments) { return run_program(IGAPREP, arguments, options); }
+  std::map<std::string, std::string> json(std::vector<std::string> arguments) {
+    arguments.push_back("--json");
+    const ProgramRun done = run(arguments);
+    EXPECT_EQ(done.exit_code, 0) << done.err;
+    return parse_json(done.out);
+  }
+};
+
+double number(const std::map<std::string, std::string>& json, const std::string& path) {
+  const auto found = json.find(path);
+  EXPECT_NE(found, json.end()) << path;
+  return found == json.end() ? 0 : std::stod(found->second);
+}
+
+TEST_F(Igaprep, WritesOneFileNamedAfterThePart) {
+  const ProgramRun done = run({"cube.stl", "--span-size", "10"});
+  EXPECT_EQ(done.exit_code, 0) << done.err;
+  EXPECT_EQ(entries(folder.path()), (std::vector<std::string>{"cube.h5", "cube.stl"}));
+  for (const char* word : {"100 × 80 × 60", "12 triangles", "14 × 12 × 10 spans", "interior", "volume", "written"})
+    EXPECT_NE(done.out.find(word), std::string::npos) << word << " is missing in:\n" << done.out;
+}
+
+TEST_F(Igaprep, ReportsOneJsonObjectWithAllThatScriptsNeed) {
+  const auto r = json({"cube.stl", "--span-size", "9", "-o", "a.h5"});
+  EXPECT_NEAR(number(r, "volume"), 480000, 480000e-9);
+  EXPECT_NEAR(number(r, "mesh_volume"), 480000, 1e-6);
+  EXPECT_LE(number(r, "volume_error"), 1e-9);
+  EXPECT_NEAR(number(r, "centroid.0"), 50, 1e-6);
+  EXPECT_NEAR(number(r, "area"), 2 * (8000 + 6000 + 4800), 1e-6);
+  EXPECT_EQ(number(r, "spans.interior") + number(r, "spans.trimmed") + number(r, "spans.exterior"),
+            number(r, "grid.spans.0") * number(r, "grid.spans.1") * number(r, "grid.spans.2"));
+  EXPECT_EQ(number(r, "points_interior") + number(r, "points_trimmed"), number(r, "points"));
+  EXPECT_LE(number(r, "max_residual"), 1e-10);
+  EXPECT_EQ(number(r, "bodies"), 1);
+  EXPECT_EQ(number(r, "grid.span_size.0"), 9);
+  EXPECT_EQ(r.at("reused"), "false");
+  EXPECT_EQ(r.at("output"), "a.h5");
+  for (const char* key :
+       {"snapped_spans", "snapped_volume", "dropped_volume", "cavities", "light_functions", "functions", "warnings.#",
+        "findings.#", "grid.A.0", "grid.B.2", "grid.degree.1", "timings.trim", "timings.quadrature", "peak_memory_mib"})
+    EXPECT_TRUE(r.contains(key)) << key;
+}
+
+TEST_F(Igaprep, DoesNothingWhereAMatchingFileStands) {
+  ASSERT_EQ(run({"cube.stl", "--span-size", "20"}).exit_code, 0);
+  const std::string first = read_bytes(folder / "cube.h5");
+  const ProgramRun again = run({"cube.stl", "--span-size", "20", "20", "20", "--threads", "1"});
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_NE(again.out.find("nothing to do"), std::string::npos) << again.out;
+  EXPECT_EQ(read_bytes(folder / "cube.h5"), first);
+  const auto report = json({"cube.stl", "--span-size", "20"});
+  EXPECT_EQ(report.at("reused"), "true");
+  EXPECT_NEAR(number(report, "volume"), 480000, 480000e-9);
+}
+
+TEST_F(Igaprep, KeepsAFileThatDoesNotMatchUnlessForced) {
+  ASSERT_EQ(run({"cube.stl", "--span-size", "20"}).exit_code, 0);
+  const std::string first = read_bytes(folder / "cube.h5");
+  const ProgramRun other = run({"cube.stl", "--span-size", "25"});
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_NE(other.err.find("other settings"), std::string::npos) << other.err;
+  EXPECT_NE(other.err.find("--force"), std::string::npos) << other.err;
+  EXPECT_EQ(read_bytes(folder / "cube.h5"), first);
+
+  write_bytes(folder / "cube.stl", ascii_stl(box_mesh({0, 0, 0}, {100, 80, 61})));
+  const ProgramRun changed = run({"cube.stl", "--span-size", "20"});
+  EXPECT_EQ(changed.exit_code, 2);
+  EXPECT_NE(changed.err.find("another input"), std::string::npos) << changed.err;
+  EXPECT_EQ(read_bytes(folder / "cube.h5"), first);
+
+  EXPECT_EQ(run({"cube.stl", "--span-size", "20", "--force"}).exit_code, 0);
+  EXPECT_NE(read_bytes(folder / "cube.h5"), first);
+}
+
+TEST_F(Igaprep, KeepsAForeignFile) {
+  write_bytes(folder / "cube.h5", "my notes");
+  EXPECT_EQ(run({"cube.stl"}).exit_code, 2);
+  EXPECT_EQ(read_bytes(folder / "cube.h5"), "my notes");
+}
+
+TEST_F(Igaprep, TakesASettingsFileAndLetsFlagsOverrideIt) {
+  std::filesystem::create_directory(folder / "sub");
+  write_bytes(folder / "sub/prep.toml",
+              "input = \"../cube.stl\"\noutput = \"cube.h5\"\n[grid]\nspan_size = 20\ndegree = 1\n");
+  const auto r = json({"sub/prep.toml", "--degree", "3", "2", "1"});
+  EXPECT_TRUE(std::filesystem::exists(folder / "sub/cube.h5"));
+  EXPECT_EQ(number(r, "grid.span_size.0"), 20);
+  EXPECT_EQ(number(r, "grid.degree.0"), 3);
+  EXPECT_EQ(number(r, "grid.degree.2"), 1);
+}
+
+TEST_F(Igaprep, ListsOfValuesMayStandBeforeTheFileName) {
+  const auto r = json({"--span-size", "20", "--box", "-10", "-.5e1", "-10", "110", "95", "70", "cube.stl"});
+  EXPECT_EQ(number(r, "grid.A.1"), -5);
+  EXPECT_EQ(number(r, "grid.spans.0"), 6);
+}
+
+TEST_F(Igaprep, TurnsAndShiftsTheGrid) {
+  const auto r = json({"cube.stl", "--spans", "9", "--rotate-axis-angle", "1", "1", "0", "25", "--optimise-offset"});
+  EXPECT_NEAR(number(r, "volume"), 480000, 480000e-9);
+  EXPECT_LE(number(r, "offset.light_after"), number(r, "offset.light_before"));
+  EXPECT_GT(number(r, "spans.trimmed"), 0);
+}
+
+TEST_F(Igaprep, QuietPrintsNothingOnSuccess) {
+  const ProgramRun done = run({"cube.stl", "--span-size", "20", "--quiet"});
+  EXPECT_EQ(done.exit_code, 0);
+  EXPECT_EQ(done.out, "");
+  EXPECT_EQ(done.err, "");
+}
+
+TEST_F(Igaprep, PrintsPlainLinesIntoAPipe) {
+  const ProgramRun done = run({"cube.stl", "--span-size", "20"});
+  EXPECT_NE(done.err.find("quadrature"), std::string::npos);
+  EXPECT_EQ(done.err.find('\r'), std::string::npos);
+  EXPECT_EQ(done.err.find('\033'), std::string::npos);
+}
+
+TEST_F(Igaprep, HelpShowsExamplesAndVersionItsNumber) {
+  const ProgramRun help = run({"--help"});
+  EXPECT_EQ(help.exit_code, 0);
+  for (const char* word : {"Examples:", "--span-size", "--moment-degree", "Exit codes"})
+    EXPECT_NE(help.out.find(word), std::string::npos) << word;
+  const ProgramRun version = run({"--version"});
+  EXPECT_EQ(version.exit_code, 0);
+  EXPECT_EQ(version.out.rfind("igaprep ", 0), 0U) << version.out;
+}
+
+struct Interrupted : Igaprep, testing::WithParamInterface<int> {};
+
+TEST_P(Interrupted, LeavesTheOldFileAndNothingElse) {
+  write_bytes(folder / "cube.h5", "the old file");
+  options.signal_after = "trim";
+  options.signal = GetParam();
+  // Fine enough that the work lasts until the signal arrives.
+  const ProgramRun done =
+      run({"cube.stl", "--spans", "150", "--rotate-axis-angle", "1", "2", "3", "20", "--degree", "3", "--force"});
+  EXPECT_EQ(done.exit_code, 128 + GetParam()) << done.err;
+  EXPECT_EQ(entries(folder.path()), (std::vector<std::string>{"cube.h5", "cube.stl"}));
+  EXPECT_EQ(read_bytes(folder / "cube.h5"), "the old file");
+}
+
+INSTANTIATE_TEST_SUITE_P(Signals, Interrupted, testing::Values(SIGINT, SIGTERM));
+
+TEST_F(Igaprep, KilledHardKeepsTheOldFile) {
+  write_bytes(folder / "cube.h5", "the old file");
+  options.signal_after = "write";
+  options.signal = SIGKILL;
+  const ProgramRun done = run({"cube.stl", "--spans", "40", "--force"});
+  // The kill may come a moment late: then the new file is whole.
+  const bool finished = done.exit_code == 0;
+  EXPECT_TRUE(finished || done.exit_code == 128 + SIGKILL);
+  const std::string now = read_bytes(folder / "cube.h5");
+  if (now == "the old file") return;
+  options = {};
+  options.folder = folder.path();
+  EXPECT_EQ(json({"cube.stl", "--spans", "40"}).at("reused"), "true");
+}
+
+} // namespace
+} // namespace iga::test

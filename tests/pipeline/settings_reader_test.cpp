@@ -1,0 +1,103 @@
+#include "format/io/settings_reader.hpp"
+
+#include "format/model/errors.hpp"
+#include "tests/support/temp_folder.hpp"
+
+#include <gtest/gtest.h>
+
+namespace iga::io {
+namespace {
+
+using test::TempFolder;
+
+SettingsTable table_of(const TempFolder& folder, const std::string& text) {
+  test::write_bytes(folder / "run.toml", text);
+  return SettingsTable::read(folder / "run.toml");
+}
+
+// The message of the InputError that `work` throws.
+template <class Work> std::string refusal(Work&& work) {
+  try {
+    work();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "nothing was refused";
+}
+
+void expect_words(const std::string& text, const std::vector<std::string>& words) {
+  for (const std::string& word : words)
+    EXPECT_NE(text.find(word), std::string::npos) << word << " is missing in: " << text;
+}
+
+TEST(SettingsReader, GivesTypedValuesAndNothingForAbsentKeys) {
+  const TempFolder folder;
+  auto root = table_of(folder, "title = \"a\"\n[grid]\nspans = [1, 2, 3]\nsize = 4\nflag = true\n");
+  auto grid = root.table("grid");
+  EXPECT_EQ(root.text("title"), "a");
+  EXPECT_EQ(grid.integers("spans", {1, 3}), (std::vector<std::int64_t>{1, 2, 3}));
+  EXPECT_EQ(grid.numbers("size", {1, 3}), std::vector<double>{4});
+  EXPECT_EQ(grid.boolean("flag"), true);
+  EXPECT_FALSE(grid.number("absent"));
+  EXPECT_FALSE(root.table("none").number("absent"));
+  EXPECT_NO_THROW(root.refuse_unknown_keys());
+}
+
+TEST(SettingsReader, UnknownKeyNamesItsLineAndTheNearestKey) {
+  const TempFolder folder;
+  auto root = table_of(folder, "title = \"a\"\n\n[grid]\ndegre = 2\n");
+  root.text("title");
+  root.table("grid").number("degree");
+  expect_words(refusal([&] { root.refuse_unknown_keys(); }),
+               {"run.toml:4", "'degre' in [grid]", "did you mean 'degree' in [grid]"});
+}
+
+TEST(SettingsReader, KeyInTheWrongTableIsSentToTheRightOne) {
+  const TempFolder folder;
+  auto root = table_of(folder, "degree = 2\n");
+  root.table("grid").number("degree");
+  expect_words(refusal([&] { root.refuse_unknown_keys(); }),
+               {"run.toml:1", "'degree'", "did you mean 'degree' in [grid]"});
+}
+
+TEST(SettingsReader, UnknownTableIsRefused) {
+  const TempFolder folder;
+  auto root = table_of(folder, "[gird]\ndegree = 2\n");
+  root.table("grid").number("degree");
+  expect_words(refusal([&] { root.refuse_unknown_keys(); }), {"run.toml:1", "'gird'", "did you mean 'grid'"});
+}
+
+TEST(SettingsReader, WordsUnlikeAllKeysListTheKnownOnes) {
+  const TempFolder folder;
+  auto root = table_of(folder, "colour = 2\n");
+  root.number("scale");
+  expect_words(refusal([&] { root.refuse_unknown_keys(); }), {"'colour'", "known keys here: scale"});
+}
+
+TEST(SettingsReader, WrongTypeNamesLineFoundAndExpected) {
+  const TempFolder folder;
+  auto root = table_of(folder, "a = \"two\"\nb = 1.5\nc = [1, 2]\nd = nan\ne = 1\n");
+  expect_words(refusal([&] { root.number("a"); }), {"run.toml:1", "'a'", "the text \"two\"", "finite number"});
+  expect_words(refusal([&] { root.integer("b"); }), {"run.toml:2", "the number 1.5", "integer"});
+  expect_words(refusal([&] { root.numbers("c", {1, 3}); }), {"run.toml:3", "a list of 2", "1 or 3"});
+  expect_words(refusal([&] { root.number("d"); }), {"run.toml:4", "finite"});
+  expect_words(refusal([&] { root.boolean("e"); }), {"run.toml:5", "the integer 1", "true or false"});
+  expect_words(refusal([&] { root.table("e"); }), {"run.toml:5", "[e]"});
+}
+
+TEST(SettingsReader, BadTomlNamesLineAndColumn) {
+  const TempFolder folder;
+  expect_words(refusal([&] { table_of(folder, "a = 1\nb = = 2\n"); }), {"run.toml:2:", "no valid TOML"});
+  expect_words(refusal([&] { SettingsTable::read(folder / "absent.toml"); }), {"absent.toml", "no such"});
+}
+
+TEST(NearestName, FindsSmallSlipsOnly) {
+  const std::vector<std::string> names{"degree", "span_size", "spans"};
+  EXPECT_EQ(nearest_name("dgree", names), "degree");
+  EXPECT_EQ(nearest_name("spansize", names), "span_size");
+  EXPECT_EQ(nearest_name("span", names), "spans");
+  EXPECT_FALSE(nearest_name("colour", names));
+}
+
+} // namespace
+} // namespace iga::io
