@@ -11,7 +11,7 @@ namespace iga::samples {
 namespace {
 
 constexpr double width = 308.6, height = 147.4, depth = 257.2; // along x, y, z; mm; off the 10 mm raster on purpose
-constexpr double wall = 17.0, front_wall = 17.0;
+constexpr double wall = 15.0, front_wall = 15.0;
 
 /// Intersection of two distance functions; where they meet at a right angle the edge becomes an arc of radius r.
 double meet(double a, double b, double r) {
@@ -44,13 +44,13 @@ double solid(const Point3& p) {
       f = cut(f, meet(meet(slab(x, x_low, x_high), slab(z, z_low, z_high), 14), floor, 10), 6);
 
   for (const double side : {-1.0, 1.0}) {
-    f = cut(f, bore(z, y, depth / 2 + 60 * side, 60, 29), 4);  // along x
+    f = cut(f, bore(z, y, depth / 2 + 60 * side, 60, 30), 4);  // along x
     f = cut(f, bore(x, y, width / 2 + 93 * side, 60, 27), 4);  // along z
     for (const double end : {-1.0, 1.0})                       // along y, through the front
-      f = cut(f, bore(x, z, width / 2 + 100 * side, depth / 2 + 60 * end, 30), 5);
+      f = cut(f, bore(x, z, width / 2 + 100 * side, depth / 2 + 60 * end, 33), 5);
   }
-  f = cut(f, bore(x, z, width / 2, depth / 2 - 60, 24), 5);
-  const double notch = meet(slab(x, width / 2 - 24, width / 2 + 24), depth - 66 - z, 12);
+  f = cut(f, bore(x, z, width / 2, depth / 2 - 60, 27), 5);
+  const double notch = meet(slab(x, width / 2 - 24, width / 2 + 24), depth - 70 - z, 12);
   return cut(f, notch, 6);
 }
 
@@ -60,8 +60,8 @@ TriangleMesh foam_part() {
   return mesh_implicit(solid, {.inside = {width / 2, height - front_wall / 2, depth / 2},
                                .radius = 400,
                                .min_angle = 26,
-                               .max_size = 7,
-                               .max_distance = 0.15});
+                               .max_size = 8,
+                               .max_distance = 0.22});
 }
 
 } // namespace iga::samples

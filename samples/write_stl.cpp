@@ -3,6 +3,7 @@
 #include "samples/surface_mesh.hpp"
 
 #include <CGAL/Polygon_mesh_processing/orientation.h>
+#include <CGAL/Polygon_mesh_processing/repair_degeneracies.h>
 #include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <fmt/format.h>
 
@@ -61,10 +62,12 @@ std::string binary_stl(const TriangleMesh& mesh, const std::string& name) {
 } // namespace
 
 TriangleMesh as_stored(TriangleMesh mesh, StlKind kind) {
-  if (kind == StlKind::Binary)
-    for (Point3& x : mesh.vertices)
-      for (double& c : x) c = static_cast<float>(c);
-  return mesh;
+  if (kind == StlKind::Ascii) return mesh;
+  for (Point3& x : mesh.vertices)
+    for (double& c : x) c = static_cast<float>(c);
+  SurfaceMesh surface = to_surface_mesh(mesh);
+  CGAL::Polygon_mesh_processing::remove_degenerate_faces(surface);
+  return to_triangles(surface);
 }
 
 void require_sound(const TriangleMesh& mesh, const std::string& name) {

@@ -8,6 +8,7 @@
 namespace iga::samples {
 
 /// The mesh with the coordinates that an STL file of this kind holds: float32 for binary ones, unchanged for text.
+/// Triangles that rounding made degenerate are flipped or collapsed away.
 TriangleMesh as_stored(TriangleMesh mesh, StlKind kind);
 
 /// @throws std::runtime_error unless the surface is closed, manifold, free of self-intersections and degenerate
