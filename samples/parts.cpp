@@ -57,7 +57,7 @@ TriangleMesh pin_and_bush(const PartOptions&) {
   return together(bush, cylinder({0, 0}, 10, -8, 52, 96));
 }
 
-/// A block with a step and a pocket whose faces should lie on 5 mm planes, with every vertex off by up to 1e-6 of the
+/// A block with a step and a pocket whose faces should lie on 5 mm planes, with vertices scattered over 1e-6 of the
 /// size, as coordinates come out of a CAD program that works elsewhere and exports float32.
 TriangleMesh noisy_block(const PartOptions&) {
   TriangleMesh block = subtracted(box({0, 0, 0}, {100, 60, 40}), box({60, -1, 25}, {101, 61, 41}));
@@ -65,7 +65,7 @@ TriangleMesh noisy_block(const PartOptions&) {
   std::uint32_t state = 1;
   const auto noise = [&] {
     state = state * 1664525u + 1013904223u; // Numerical Recipes' linear congruential generator
-    return (static_cast<double>(state >> 8) / 0x1p24 - 0.5) * 2e-4;
+    return (static_cast<double>(state >> 8) / 0x1p24 - 0.5) * 1e-4;
   };
   for (Point3& x : block.vertices)
     for (double& c : x) c += noise();
