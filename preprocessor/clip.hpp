@@ -13,8 +13,8 @@ namespace iga::prep {
 
 /// Convex planar polygons with at most 9 vertices, sorted by span, then by triangle.
 /// Coordinates are *span units*: along direction d the value (u_d - A_d) / h_d, so that span (i, j, k) is the unit cube
-/// at (i, j, k). Half-open slabs: a piece that lies in the grid plane ξ_d = i belongs to the span with index i, also
-/// where i = num_spans (a span just outside the grid is never needed because the part lies inside the grid).
+/// at (i, j, k). Half-open slabs: a piece that lies in the grid plane ξ_d = i belongs to the span with index i; in the
+/// grid's last plane, to the last span.
 /// Two triangles that share an edge share the bits of every vertex made on it: the pieces of a closed mesh are closed.
 struct SurfacePieces {
   std::vector<std::int64_t> spans;           ///< (num_touched); linear numbers of the spans that own pieces, ascending

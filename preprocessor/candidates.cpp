@@ -1,0 +1,205 @@
+// An edge that two pieces share is met at the same bits from both (computed from its lower to its upper end, half-open),
+// so a line through a closed surface never slips through a seam or counts it twice.
+#include "preprocessor/candidates.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace iga::prep {
+
+namespace {
+
+// Shorter stretches of a line (relative to the box) are skipped: their points would sit on the surface itself.
+constexpr double shortest_interval = 1e-7;
+
+struct EdgePoint {
+  double b, a;  // coordinates along b and along the axis
+};
+
+EdgePoint edge_at(const Point3& low, const Point3& high, std::size_t axis, std::size_t b_axis, std::size_t c_axis, double c) {
+  const double t = (c - low[c_axis]) / (high[c_axis] - low[c_axis]);
+  return {low[b_axis] + t * (high[b_axis] - low[b_axis]), low[axis] + t * (high[axis] - low[axis])};
+}
+
+Point3 twice_area(const Point3& a, const Point3& b, const Point3& c) {
+  const double x1 = b[0] - a[0], y1 = b[1] - a[1], z1 = b[2] - a[2];
+  const double x2 = c[0] - a[0], y2 = c[1] - a[1], z2 = c[2] - a[2];
+  return {y1 * z2 - z1 * y2, z1 * x2 - x1 * z2, x1 * y2 - y1 * x2};
+}
+
+double dot(const Point3& a, const Point3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+} // namespace
+
+std::size_t LineCaster::main_axis() const {
+  Point3 shown{};
+  for (std::size_t q = 0; q < surface_->num_polygons(); ++q) {
+    const auto v = surface_->polygon(q);
+    for (std::size_t a = 1; a + 1 < v.size(); ++a) {
+      const Point3 n = twice_area(v[0], v[a], v[a + 1]);
+      for (std::size_t d = 0; d < 3; ++d) shown[d] += std::abs(n[d]);
+    }
+  }
+  // On a near tie stay with the lower axis, so that rounding does not decide.
+  std::size_t best = 0;
+  for (std::size_t d = 1; d < 3; ++d)
+    if (shown[d] > 1.001 * shown[best]) best = d;
+  return best;
+}
+
+void LineCaster::cast(std::size_t axis, std::span<const double> bs, std::span<const double> cs) {
+  const std::size_t b_axis = axis == 0 ? 1 : 0, c_axis = axis == 2 ? 1 : 2;
+  const int orientation = axis == 1 ? -1 : 1;
+  if (lines_.size() < bs.size() * cs.size()) lines_.resize(bs.size() * cs.size());
+  for (std::size_t l = 0; l < bs.size() * cs.size(); ++l) lines_[l].clear();
+  for (std::size_t q = 0; q < surface_->num_polygons(); ++q) {
+    const auto v = surface_->polygon(q);
+    double low = v[0][c_axis], high = low;
+    for (const Point3& x : v) {
+      low = std::min(low, x[c_axis]);
+      high = std::max(high, x[c_axis]);
+    }
+    const auto first = std::lower_bound(cs.begin(), cs.end(), low) - cs.begin();
+    for (auto j = static_cast<std::size_t>(first); j < cs.size() && cs[j] < high; ++j) {
+      // A convex polygon is entered by one rising and left by one falling edge.
+      EdgePoint up{}, down{};
+      int found = 0;
+      for (std::size_t a = 0; a < v.size(); ++a) {
+        const Point3& p = v[a];
+        const Point3& n = v[a + 1 == v.size() ? 0 : a + 1];
+        if (p[c_axis] <= cs[j] && cs[j] < n[c_axis]) {
+          up = edge_at(p, n, axis, b_axis, c_axis, cs[j]);
+          found |= 1;
+        } else if (n[c_axis] <= cs[j] && cs[j] < p[c_axis]) {
+          down = edge_at(n, p, axis, b_axis, c_axis, cs[j]);
+          found |= 2;
+        }
+      }
+      if (found != 3 || up.b == down.b) continue;
+      const bool anticlockwise = up.b > down.b;
+      const EdgePoint& left = anticlockwise ? down : up;
+      const EdgePoint& right = anticlockwise ? up : down;
+      const auto begin = std::lower_bound(bs.begin(), bs.end(), left.b) - bs.begin();
+      for (auto i = static_cast<std::size_t>(begin); i < bs.size() && bs[i] < right.b; ++i) {
+        const double t = (bs[i] - left.b) / (right.b - left.b);
+        lines_[i + bs.size() * j].push_back(
+            {std::clamp(left.a + t * (right.a - left.a), 0.0, 1.0), anticlockwise ? orientation : -orientation});
+      }
+    }
+  }
+  for (std::size_t l = 0; l < bs.size() * cs.size(); ++l)
+    std::sort(lines_[l].begin(), lines_[l].end(), [](const Crossing& x, const Crossing& y) { return x.at < y.at; });
+}
+
+void LineCaster::append_candidates(std::size_t axis, std::span<const double> bs, std::span<const double> cs,
+                                   int points_per_line, std::vector<double>& points) {
+  const std::size_t b_axis = axis == 0 ? 1 : 0, c_axis = axis == 2 ? 1 : 2;
+  cast(axis, bs, cs);
+  for (std::size_t j = 0; j < cs.size(); ++j)
+    for (std::size_t i = 0; i < bs.size(); ++i) {
+      Point3 x;
+      x[b_axis] = bs[i];
+      x[c_axis] = cs[j];
+      const auto fill = [&](double from, double to) {
+        const double length = to - from;
+        if (length < shortest_interval) return;
+        const int n = std::max(2, static_cast<int>(std::ceil(length * points_per_line - 1e-9)));
+        for (double g : gauss_legendre(n).nodes) {
+          x[axis] = from + length * g;
+          points.insert(points.end(), x.begin(), x.end());
+        }
+      };
+      auto& line = lines_[i + bs.size() * j];
+      if (line.empty()) {
+        bool solid = false;
+        const FaceState low = surface_->faces[2 * axis], high = surface_->faces[2 * axis + 1];
+        if (low != FaceState::Crossed || high != FaceState::Crossed) {
+          solid = low == FaceState::Full || high == FaceState::Full;
+        } else {
+          lines_.swap(probe_);
+          x[axis] = 0.5;
+          solid = inside(x);
+          lines_.swap(probe_);
+        }
+        if (solid) fill(0, 1);
+        continue;
+      }
+      // Sheets that touch may come in either order.
+      for (std::size_t s = 0; s + 1 < line.size(); ++s)
+        if (line[s].at == line[s + 1].at && s > 0 && line[s].sign == line[s - 1].sign) std::swap(line[s], line[s + 1]);
+      bool alternates = true;
+      for (std::size_t s = 0; s + 1 < line.size(); ++s) alternates = alternates && line[s].sign != line[s + 1].sign;
+      if (!alternates) continue;
+      if (line.front().sign > 0) fill(0, line.front().at);
+      for (std::size_t s = 0; s + 1 < line.size(); ++s)
+        if (line[s].sign < 0) fill(line[s].at, line[s + 1].at);
+      if (line.back().sign < 0) fill(line.back().at, 1);
+    }
+}
+
+bool LineCaster::inside(const Point3& x) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::size_t b_axis = axis == 0 ? 1 : 0, c_axis = axis == 2 ? 1 : 2;
+    cast(axis, std::span(&x[b_axis], 1), std::span(&x[c_axis], 1));
+    const auto& line = lines_[0];
+    if (line.empty()) continue;
+    for (const Crossing& crossing : line)
+      if (crossing.at > x[axis]) return crossing.sign > 0;
+    return line.back().sign < 0;
+  }
+  return inside_by_piece(x);
+}
+
+// No axis-parallel line meets the surface: look towards the middle of a piece, the first piece on the way decides.
+bool LineCaster::inside_by_piece(const Point3& x) const {
+  std::size_t target = 0;
+  double largest = 0;
+  for (std::size_t q = 0; q < surface_->num_polygons(); ++q) {
+    const auto v = surface_->polygon(q);
+    Point3 n{};
+    for (std::size_t a = 1; a + 1 < v.size(); ++a) {
+      const Point3 m = twice_area(v[0], v[a], v[a + 1]);
+      for (std::size_t d = 0; d < 3; ++d) n[d] += m[d];
+    }
+    if (dot(n, n) > largest) {
+      largest = dot(n, n);
+      target = q;
+    }
+  }
+  if (surface_->num_polygons() == 0) return surface_->fraction > 0.5;
+  // Weights without symmetry keep the ray off the corners and edges of regular surfaces.
+  const auto polygon = surface_->polygon(target);
+  Point3 goal{};
+  double total = 0;
+  for (std::size_t a = 0; a < polygon.size(); ++a) {
+    const double w = 1 + 0.137 * static_cast<double>(a) + 0.0713 * static_cast<double>(a * a);
+    total += w;
+    for (std::size_t d = 0; d < 3; ++d) goal[d] += w * polygon[a][d];
+  }
+  for (double& g : goal) g /= total;
+  const Point3 ray{goal[0] - x[0], goal[1] - x[1], goal[2] - x[2]};
+  double nearest = std::numeric_limits<double>::infinity();
+  bool leaving = false;
+  for (std::size_t q = 0; q < surface_->num_polygons(); ++q) {
+    const auto v = surface_->polygon(q);
+    for (std::size_t a = 1; a + 1 < v.size(); ++a) {
+      const Point3 n = twice_area(v[0], v[a], v[a + 1]);
+      const double slope = dot(n, ray);
+      if (slope == 0) continue;
+      const double t = (dot(n, v[0]) - dot(n, x)) / slope;
+      if (t < 0 || t >= nearest) continue;
+      const Point3 hit{x[0] + t * ray[0], x[1] + t * ray[1], x[2] + t * ray[2]};
+      constexpr double tolerance = 1e-12;  // an edge counts for both of its triangles
+      const double scale = -tolerance * dot(n, n);
+      if (dot(n, twice_area(v[0], v[a], hit)) < scale || dot(n, twice_area(v[a], v[a + 1], hit)) < scale ||
+          dot(n, twice_area(v[a + 1], v[0], hit)) < scale)
+        continue;
+      nearest = t;
+      leaving = slope > 0;
+    }
+  }
+  return leaving;
+}
+
+} // namespace iga::prep
