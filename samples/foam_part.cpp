@@ -17,9 +17,15 @@ constexpr double wall = 15.0, front_wall = 15.0;
 double meet(double a, double b, double r) {
   return std::min(std::max(a, b), -r) + std::hypot(std::max(a + r, 0.0), std::max(b + r, 0.0));
 }
-double cut(double a, double tool, double r) { return meet(a, -tool, r); }
-double slab(double x, double low, double high) { return std::abs(x - (low + high) / 2) - (high - low) / 2; }
-double bore(double x, double y, double cx, double cy, double radius) { return std::hypot(x - cx, y - cy) - radius; }
+double cut(double a, double tool, double r) {
+  return meet(a, -tool, r);
+}
+double slab(double x, double low, double high) {
+  return std::abs(x - (low + high) / 2) - (high - low) / 2;
+}
+double bore(double x, double y, double cx, double cy, double radius) {
+  return std::hypot(x - cx, y - cy) - radius;
+}
 
 /// The front, `inset` behind the visible one: a wide arc over x, bevelled towards both ends of z.
 double front(const Point3& x, double inset, double edge) {
@@ -39,14 +45,15 @@ double solid(const Point3& p) {
   constexpr double middle = 63.6; // width of the pockets in the middle
   const double rib_low = (width - middle) / 2 - wall, rib_high = (width + middle) / 2 + wall;
   const double floor = front(p, front_wall, 12);
-  for (const auto& [x_low, x_high] : {Point2{wall, rib_low}, {rib_low + wall, rib_high - wall}, {rib_high, width - wall}})
+  for (const auto& [x_low, x_high] :
+       {Point2{wall, rib_low}, {rib_low + wall, rib_high - wall}, {rib_high, width - wall}})
     for (const auto& [z_low, z_high] : {Point2{wall, (depth - wall) / 2}, {(depth + wall) / 2, depth - wall}})
       f = cut(f, meet(meet(slab(x, x_low, x_high), slab(z, z_low, z_high), 14), floor, 10), 6);
 
   for (const double side : {-1.0, 1.0}) {
-    f = cut(f, bore(z, y, depth / 2 + 60 * side, 60, 30), 4);  // along x
-    f = cut(f, bore(x, y, width / 2 + 93 * side, 60, 27), 4);  // along z
-    for (const double end : {-1.0, 1.0})                       // along y, through the front
+    f = cut(f, bore(z, y, depth / 2 + 60 * side, 60, 30), 4); // along x
+    f = cut(f, bore(x, y, width / 2 + 93 * side, 60, 27), 4); // along z
+    for (const double end : {-1.0, 1.0})                      // along y, through the front
       f = cut(f, bore(x, z, width / 2 + 100 * side, depth / 2 + 60 * end, 33), 5);
   }
   f = cut(f, bore(x, z, width / 2, depth / 2 - 60, 27), 5);

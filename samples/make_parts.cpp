@@ -2,6 +2,7 @@
 #include "samples/parts.hpp"
 #include "samples/write_stl.hpp"
 
+#include <CGAL/Random.h>
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
@@ -15,12 +16,13 @@ using namespace iga::samples;
 
 void write_part(const Part& part, const PartOptions& options, bool ascii, const std::filesystem::path& folder) {
   const StlKind kind = ascii ? StlKind::Ascii : part.kind;
+  CGAL::get_default_random() = CGAL::Random(0); // CGAL's triangulations draw from it: no part depends on those before
   const TriangleMesh mesh = as_stored(part.make(options), kind);
   require_sound(mesh, part.name);
   const VolumeMoments moments = volume_moments(mesh);
   write_stl(mesh, part.name, kind, folder / (part.name + ".stl"));
-  fmt::print("{:<18} {:>6} triangles  volume {:.17g}  area {:.17g}\n", part.name, mesh.triangles.size(),
-             moments.volume, surface_area(mesh));
+  fmt::print("{:<18} {:>6} triangles  volume {:.17g}  area {:.17g}\n", part.name, mesh.triangles.size(), moments.volume,
+             surface_area(mesh));
 }
 
 int run(int argc, char** argv) {

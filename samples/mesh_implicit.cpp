@@ -5,7 +5,6 @@
 #include <CGAL/Complex_2_in_triangulation_3.h>
 #include <CGAL/IO/facets_in_complex_2_to_triangle_mesh.h>
 #include <CGAL/Implicit_surface_3.h>
-#include <CGAL/Random.h>
 #include <CGAL/Surface_mesh_default_criteria_3.h>
 #include <CGAL/Surface_mesh_default_triangulation_3.h>
 #include <CGAL/make_surface_mesh.h>
@@ -42,7 +41,6 @@ Point3 project(const ImplicitSolid& solid, Point3 x, double step) {
 TriangleMesh mesh_implicit(const ImplicitSolid& solid, const ImplicitMeshOptions& options) {
   constexpr double bisection_error = 1e-5; // relative to the ball; Newton does the rest
   constexpr double difference_step = 1e-6; // relative to the ball: rounding and truncation balance near eps^(1/3)
-  CGAL::get_default_random() = CGAL::Random(0);
 
   const Function function = [&](const Traits::Point_3& p) { return solid({p.x(), p.y(), p.z()}); };
   const Traits::Point_3 centre(options.inside[0], options.inside[1], options.inside[2]);

@@ -19,7 +19,7 @@ struct ImplicitMeshOptions {
 };
 
 /// Delaunay refinement (Boissonnat & Oudot 2005, CGAL's 3D surface mesh generation), then every vertex is moved onto
-/// the zero set by Newton steps. Same input, same triangles.
+/// the zero set by Newton steps. Same input and same state of CGAL's default random numbers, same triangles.
 TriangleMesh mesh_implicit(const ImplicitSolid& solid, const ImplicitMeshOptions& options);
 
 } // namespace iga::samples

@@ -9,7 +9,8 @@
 namespace iga::samples {
 namespace {
 
-constexpr std::array<Point3, 3> z_to_y{{{1, 0, 0}, {0, 0, -1}, {0, 1, 0}}}; // (x, y, z) → (x, -z, y): extrusions along y
+constexpr std::array<Point3, 3> z_to_y{
+    {{1, 0, 0}, {0, 0, -1}, {0, 1, 0}}}; // (x, y, z) → (x, -z, y): extrusions along y
 
 TriangleMesh trimmed_cube(const PartOptions& o) {
   const double a = o.theta, b = 120 - o.theta;
@@ -35,7 +36,8 @@ TriangleMesh plate_with_holes(const PartOptions&) {
   plate = subtracted(plate, cylinder({42, 40}, 16.5, -1, 20, 96));
   for (const Point2& c : {Point2{12, 12}, {108, 12}, {108, 68}, {12, 68}})
     plate = subtracted(plate, cylinder(c, 3.3, -1, 10, 48));
-  return subtracted(plate, extrude(rounded({{82, 24}, {94, 24}, {94, 56}, {82, 56}}, {5.9, 5.9, 5.9, 5.9}, 16), -1, 10));
+  return subtracted(plate,
+                    extrude(rounded({{82, 24}, {94, 24}, {94, 56}, {82, 56}}, {5.9, 5.9, 5.9, 5.9}, 16), -1, 10));
 }
 
 /// Angle of two 5 mm legs with a filleted inner edge, two ribs of 1.2 mm, and screw holes in both legs.
@@ -82,10 +84,17 @@ const std::vector<Part>& parts() {
       {"trimmed_cube", "cube trimmed by theta on every side of its 120 mm grid", Ascii, trimmed_cube},
       {"rotated_cube", "100 mm cube rotated by 30 and 20 degrees", Ascii, rotated_cube},
       {"aligned_box", "box whose faces lie in grid planes", Binary,
-       [](const PartOptions&) { return box({10, 20, 30}, {110, 80, 70}); }},
+       [](const PartOptions&) {
+         return box({10, 20, 30}, {110, 80, 70});
+       }},
       {"sphere", "icosphere of radius 50", Ascii,
-       [](const PartOptions& o) { return icosphere({0, 0, 0}, 50, o.refinement); }},
-      {"torus", "torus of radii 40 and 15", Ascii, [](const PartOptions&) { return torus({0, 0, 0}, 40, 15, 192, 96); }},
+       [](const PartOptions& o) {
+         return icosphere({0, 0, 0}, 50, o.refinement);
+       }},
+      {"torus", "torus of radii 40 and 15", Ascii,
+       [](const PartOptions&) {
+         return torus({0, 0, 0}, 40, 15, 192, 96);
+       }},
       {"hollow_sphere", "sphere with an eccentric spherical cavity", Binary, hollow_sphere},
       {"plate_with_holes", "plate with rounded corners, holes, slot and rim", Binary, plate_with_holes},
       {"bracket_with_ribs", "angle bracket with thin ribs and a fillet", Binary, bracket_with_ribs},

@@ -32,7 +32,8 @@ SurfaceMesh to_surface_mesh(const TriangleMesh& mesh) {
   for (const Point3& x : mesh.vertices) points.emplace_back(x[0], x[1], x[2]);
   std::vector<std::vector<std::size_t>> polygons;
   for (const Triangle& t : mesh.triangles)
-    polygons.push_back({static_cast<std::size_t>(t[0]), static_cast<std::size_t>(t[1]), static_cast<std::size_t>(t[2])});
+    polygons.push_back(
+        {static_cast<std::size_t>(t[0]), static_cast<std::size_t>(t[1]), static_cast<std::size_t>(t[2])});
   if (!pmp::is_polygon_soup_a_polygon_mesh(polygons))
     throw std::runtime_error("the triangles are no oriented manifold surface");
   SurfaceMesh result;
