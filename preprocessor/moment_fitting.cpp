@@ -1,5 +1,7 @@
 #include "preprocessor/moment_fitting.hpp"
 
+#include <Eigen/QR>
+
 #include <algorithm>
 #include <cmath>
 
@@ -14,6 +16,8 @@ constexpr double parallel_defect = 1e-12;
 // NNLS runs on until the residual is well below what is asked for, so that rounding of the points cannot spoil it.
 constexpr double safety = 0.1;
 constexpr int max_levels = 7;
+// Polynomials this small (relative) on the solid cannot change a moment by more than the tolerance.
+constexpr double negligible_direction = 1e-12;
 
 // The solid's part is [0, 1] along `axis` times a plane region: every facet is parallel to the axis or caps an end.
 bool is_prism(const LocalSurface& surface, std::size_t axis) {
@@ -114,34 +118,44 @@ void MomentFitter::fit_free() {
   finish_residual();
 }
 
-// Candidates of one level: a first set along the main axis, then denser ones along all three axes in turn. Along a prism
-// the lines stay in its middle plane.
-void MomentFitter::append_level(int level, int prism_axis) {
+namespace {
+
+std::size_t other_axis(std::size_t axis) { return axis == 0 ? 1 : 0; }
+
+void shoot(LineCaster& caster, std::size_t axis, int num_lines, int points_per_line, int prism_axis,
+           std::vector<double>& points) {
+  // Along a prism the lines stay in its middle plane.
+  static const std::vector<double> middle{0.5};
+  const std::size_t b = axis == 0 ? 1 : 0, c = axis == 2 ? 1 : 2;
+  const std::vector<double>& lattice = gauss_legendre(std::min(num_lines, 64)).nodes;
+  caster.append_candidates(axis, static_cast<int>(b) == prism_axis ? middle : lattice,
+                           static_cast<int>(c) == prism_axis ? middle : lattice, points_per_line, points);
+}
+
+} // namespace
+
+// First candidates, along the axis that shows the most surface: about twice as many as moments; thin and pointed parts
+// need more lines for that.
+void MomentFitter::shoot_first(int prism_axis, std::size_t num_moments) {
   const int q = std::max({degree_[0], degree_[1], degree_[2]});
-  const std::size_t main = caster_.main_axis();
-  new_points_.clear();
-  const std::vector<double> middle{0.5};
-  const auto shoot = [&](std::size_t axis, int n, int per_line) {
-    const std::size_t b = axis == 0 ? 1 : 0, c = axis == 2 ? 1 : 2;
-    const std::vector<double>& lattice = gauss_legendre(std::min(n, 64)).nodes;
-    caster_.append_candidates(axis, static_cast<int>(b) == prism_axis ? middle : lattice,
-                              static_cast<int>(c) == prism_axis ? middle : lattice, per_line, new_points_);
-  };
   const bool plane = prism_axis >= 0;
-  std::size_t axis = main;
-  if (static_cast<int>(axis) == prism_axis) axis = axis == 0 ? 1 : 0;
-  if (level == 0) {
-    // At least about two candidates for every moment; thin and pointed parts need more lines for that.
-    const std::size_t wanted = 2 * (plane ? plane_moments_.size() : moments_.size());
-    for (int n = plane ? 2 * q + 3 : q + 2; n <= 8 * (q + 2); n = n + n / 2) {
-      new_points_.clear();
-      shoot(axis, n, q + 2);
-      if (new_points_.size() >= 3 * wanted) break;
-    }
-    return;
+  std::size_t axis = caster_.main_axis();
+  if (static_cast<int>(axis) == prism_axis) axis = other_axis(axis);
+  for (int n = plane ? 2 * q + 3 : q + 2; n <= 8 * (q + 2); n += n / 2) {
+    new_points_.clear();
+    shoot(caster_, axis, n, q + 2, prism_axis, new_points_);
+    if (new_points_.size() >= 3 * 2 * num_moments) break;
   }
-  for (std::size_t d = 0; d < 3; ++d)
-    if (static_cast<int>(d) != prism_axis) shoot(d, (plane ? 4 : 2) * (q + 1) + (q + 3) * level + static_cast<int>(d), q + 2 + level);
+}
+
+// Denser candidates along all axes; each level has its own lines.
+void MomentFitter::shoot_more(int level, int prism_axis) {
+  const int q = std::max({degree_[0], degree_[1], degree_[2]});
+  new_points_.clear();
+  for (int d = 0; d < 3; ++d)
+    if (d != prism_axis)
+      shoot(caster_, static_cast<std::size_t>(d), (prism_axis >= 0 ? 4 : 1) * (q + 1) + (q + 1) * level + d, q + 2 + level,
+            prism_axis, new_points_);
 }
 
 // Values of the tensor Legendre basis at points: one column of m entries a point.
@@ -162,48 +176,87 @@ void MomentFitter::evaluate_columns(const std::array<int, 3>& degree, std::span<
 }
 
 void MomentFitter::fit_nnls(const std::array<int, 3>& degree, std::span<const double> moments, int prism_axis) {
-  const std::size_t m = moments.size();
+  const int m = static_cast<int>(moments.size());
+  shoot_first(prism_axis, moments.size());
+  candidates_ = new_points_;
+  evaluate_columns(degree, new_points_);
   nnls_.start(moments);
-  candidates_.clear();
-  for (int level = 0; level <= max_levels; ++level) {
-    append_level(level, prism_axis);
-    evaluate_columns(degree, new_points_);
-    std::size_t count = new_points_.size() / 3;
-    if (level > 0) {
-      // The residual is a polynomial; its integral over the solid is positive, so it is positive somewhere inside.
-      // Only candidates where it is can lower it; take the best ones.
-      rule_.refined = true;
-      const auto r = nnls_.residual();
-      position_.resize(count);
-      std::vector<std::size_t> order;
-      for (std::size_t g = 0; g < count; ++g) {
-        double value = 0;
-        for (std::size_t k = 0; k < m; ++k) value += r[k] * columns_[g * m + k];
-        position_[g] = value;
-        if (value > 0) order.push_back(g);
-      }
-      std::stable_sort(order.begin(), order.end(), [&](std::size_t x, std::size_t y) { return position_[x] > position_[y]; });
-      if (order.size() > 4 * m) order.resize(4 * m);
-      std::vector<double> kept_points, kept_columns;
-      for (std::size_t g : order) {
-        kept_points.insert(kept_points.end(), &new_points_[3 * g], &new_points_[3 * g] + 3);
-        kept_columns.insert(kept_columns.end(), &columns_[g * m], &columns_[g * m] + m);
-      }
-      new_points_.swap(kept_points);
-      columns_.swap(kept_columns);
-      count = order.size();
-    }
-    candidates_.insert(candidates_.end(), new_points_.begin(), new_points_.end());
-    nnls_.add_columns(columns_, count);
-    if (nnls_.solve(safety * tolerance_) == Nnls::Status::Converged) break;
-  }
+  nnls_.add_columns(columns_, new_points_.size() / 3);
+  const bool converged = nnls_.solve(safety * tolerance_, 3 * m) == Nnls::Status::Converged;
   rule_.nnls_steps += nnls_.num_steps();
+  if (!converged) {
+    rule_.refined = true;
+    fit_nnls_whitened(degree, moments, prism_axis);
+  }
+  take_points();
+}
+
+void MomentFitter::take_points() {
   fit_points_.clear();
   fit_weights_.clear();
   for (std::size_t i = 0; i < nnls_.num_passive(); ++i) {
     const double* x = &candidates_[3 * nnls_.passive(i)];
     fit_points_.insert(fit_points_.end(), x, x + 3);
     fit_weights_.push_back(nnls_.weight(i));
+  }
+}
+
+// On wedges, corners and thin sheets the Legendre polynomials of the box are almost dependent, and directions of small
+// singular values are drowned. Here the basis is made orthonormal over the candidates first, A^T P = Q R: the rows of Q
+// are the columns of the problem, R^{-T} P^T b its right-hand side, and directions below the rounding of b are left out.
+bool MomentFitter::fit_nnls_whitened(const std::array<int, 3>& degree, std::span<const double> moments, int prism_axis) {
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const auto m = static_cast<Eigen::Index>(moments.size());
+  for (int level = 1; candidates_.size() < 3 * 5 * moments.size() && level < 4; ++level) {
+    shoot_more(level, prism_axis);
+    candidates_.insert(candidates_.end(), new_points_.begin(), new_points_.end());
+  }
+  evaluate_columns(degree, candidates_);
+  auto count = static_cast<Eigen::Index>(candidates_.size() / 3);
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(Eigen::Map<const RowMajor>(columns_.data(), count, m));
+  Eigen::Index rank = std::min(m, count);
+  while (rank > 1 && std::abs(qr.matrixQR()(rank - 1, rank - 1)) < negligible_direction * std::abs(qr.matrixQR()(0, 0)))
+    --rank;
+  const Eigen::MatrixXd R = qr.matrixQR().topLeftCorner(rank, rank);
+  const auto whiten = [&](const Eigen::VectorXd& column) -> Eigen::VectorXd {
+    Eigen::VectorXd x = (qr.colsPermutation().transpose() * column).head(rank);
+    R.triangularView<Eigen::Upper>().transpose().solveInPlace(x);
+    return x;
+  };
+  const Eigen::VectorXd b = whiten(Eigen::Map<const Eigen::VectorXd>(moments.data(), m));
+  nnls_.start(std::span(b.data(), static_cast<std::size_t>(rank)));
+  RowMajor Q = qr.householderQ() * Eigen::MatrixXd::Identity(count, rank);
+  nnls_.add_columns(std::span(Q.data(), static_cast<std::size_t>(Q.size())), static_cast<std::size_t>(count));
+  for (int level = 2;; ++level) {
+    const auto status = nnls_.solve(safety * tolerance_, 5 * static_cast<int>(m));
+    if (status == Nnls::Status::Converged || level > max_levels) {
+      rule_.nnls_steps += nnls_.num_steps();
+      return status == Nnls::Status::Converged;
+    }
+    // The residual is a polynomial with a positive integral over the solid: it is positive somewhere inside, and only
+    // candidates where it is can lower it.
+    shoot_more(level, prism_axis);
+    evaluate_columns(degree, new_points_);
+    const Eigen::Map<const Eigen::VectorXd> r(nnls_.residual().data(), rank);
+    std::vector<std::pair<double, Eigen::Index>> order;
+    count = static_cast<Eigen::Index>(new_points_.size() / 3);
+    const Eigen::Map<const RowMajor> columns(columns_.data(), count, m);
+    Eigen::VectorXd direction = Eigen::VectorXd::Zero(m);  // r^T R^{-T} P^T as a row over the original columns
+    direction.head(rank) = R.triangularView<Eigen::Upper>().solve(r);
+    direction = qr.colsPermutation() * direction;
+    const Eigen::VectorXd ascent = columns * direction;
+    for (Eigen::Index g = 0; g < count; ++g)
+      if (ascent[g] > 0) order.emplace_back(-ascent[g], g);
+    std::sort(order.begin(), order.end());
+    order.resize(std::min(order.size(), 2 * moments.size()));
+    RowMajor added(static_cast<Eigen::Index>(order.size()), rank);
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      const Eigen::Index g = order[i].second;
+      added.row(static_cast<Eigen::Index>(i)) = whiten(columns.row(g).transpose()).transpose();
+      candidates_.insert(candidates_.end(), &new_points_[static_cast<std::size_t>(3 * g)],
+                         &new_points_[static_cast<std::size_t>(3 * g)] + 3);
+    }
+    nnls_.add_columns(std::span(added.data(), static_cast<std::size_t>(added.size())), order.size());
   }
 }
 

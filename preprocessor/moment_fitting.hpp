@@ -32,7 +32,10 @@ private:
   void fit_prism(std::size_t axis);
   void fit_free();
   void fit_nnls(const std::array<int, 3>& degree, std::span<const double> moments, int prism_axis);
-  void append_level(int level, int prism_axis);
+  bool fit_nnls_whitened(const std::array<int, 3>& degree, std::span<const double> moments, int prism_axis);
+  void take_points();
+  void shoot_first(int prism_axis, std::size_t num_moments);
+  void shoot_more(int level, int prism_axis);
   void evaluate_columns(const std::array<int, 3>& degree, std::span<const double> points);
   void finish_residual();
 
@@ -48,7 +51,7 @@ private:
   SpanRule rule_;
   std::vector<double> moments_;                 // all moments of the span, box units
   std::vector<double> fit_points_, fit_weights_; // of the last NNLS, box units
-  std::vector<double> candidates_, new_points_, columns_, plane_moments_, position_;
+  std::vector<double> candidates_, new_points_, columns_, plane_moments_;
 };
 
 /// Gauss points per direction of a product rule for moments up to degree q: just enough to be exact, at least two so

@@ -176,14 +176,14 @@ void Nnls::refresh_residual() {
   }
 }
 
-Nnls::Status Nnls::solve(double tolerance) {
-  const int max_steps = 30 * static_cast<int>(m_) + steps_;
+Nnls::Status Nnls::solve(double tolerance, int max_steps) {
+  const int last_step = steps_ + max_steps;
   std::vector<std::size_t> refused;
   const auto forgive = [&] {
     for (std::size_t j : refused) blocked_[j] = 0;
     refused.clear();
   };
-  while (steps_ < max_steps) {
+  while (steps_ < last_step) {
     if (relative_residual() <= tolerance) {
       forgive();
       return Status::Converged;

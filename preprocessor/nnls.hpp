@@ -22,8 +22,9 @@ public:
   void add_columns(std::span<const double> columns, std::size_t count);
 
   enum class Status { Converged, NoAscent, OutOfSteps };
-  /// Runs until ‖A w - b‖ <= tolerance ‖b‖, or no candidate can lower the residual any more (NoAscent: add others).
-  Status solve(double tolerance);
+  /// Runs until ‖A w - b‖ <= tolerance ‖b‖, or no candidate can lower the residual any more (NoAscent: add others), for
+  /// at most `max_steps` exchanges of columns.
+  Status solve(double tolerance, int max_steps);
 
   std::size_t num_columns() const { return num_columns_; }
   double relative_residual() const;
