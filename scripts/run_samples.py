@@ -1,0 +1,140 @@
+#!/usr/bin/python3
+"""Runs the samples and compares what comes out with each one's expected.toml.
+
+  scripts/run_samples.py                      all samples, with the Release build
+  scripts/run_samples.py 03_sphere 04_torus   these ones
+  scripts/run_samples.py --bin DIR --parts DIR --work DIR …
+
+Besides the figures of expected.toml, every model is held against its STL: volume, centroid and area of the surface are
+computed here from the file's triangles, without any of the project's C++ code.
+"""
+import argparse
+import json
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parent.parent
+SURFACE_TOLERANCE = 1e-11   # same triangles, summed in another order
+POINTS_TOLERANCE = 1e-9     # the program's own bound on the volume of all points
+RESIDUAL_TOLERANCE = 1e-10  # the default bound on every span's moments
+
+
+def read_stl(path):
+    """Triangles (n, 3, 3) of a binary or text STL."""
+    data = path.read_bytes()
+    count = int.from_bytes(data[80:84], "little")
+    if len(data) == 84 + 50 * count:
+        facets = np.frombuffer(data, dtype=np.uint8, offset=84).reshape(count, 50)
+        return facets[:, 12:48].copy().view("<f4").reshape(count, 3, 3).astype(float)
+    words = [line.split()[1:] for line in data.decode().splitlines() if line.strip().startswith("vertex")]
+    return np.array(words, dtype=float).reshape(-1, 3, 3)
+
+
+def surface_figures(triangles):
+    """Volume, centroid and area by the divergence theorem, about the middle of the part."""
+    middle = (triangles.min(axis=(0, 1)) + triangles.max(axis=(0, 1))) / 2
+    a, b, c = np.moveaxis(triangles - middle, 1, 0)
+    normals = np.cross(b - a, c - a)
+    six_volumes = np.einsum("ij,ij->i", a, np.cross(b, c))
+    volume = six_volumes.sum() / 6
+    centroid = middle + ((a + b + c) * six_volumes[:, None]).sum(axis=0) / (24 * volume)
+    return volume, centroid, np.linalg.norm(normals, axis=1).sum() / 2
+
+
+def run(command, work):
+    """Standard output of a program that has to succeed quietly."""
+    done = subprocess.run([str(word) for word in command], cwd=work, capture_output=True, text=True)
+    if done.returncode != 0:
+        raise AssertionError(f"{Path(command[0]).name} ended with {done.returncode}: {done.stderr.strip() or done.stdout.strip()}")
+    if "HDF5-DIAG" in done.stderr:
+        raise AssertionError(f"{Path(command[0]).name} printed an HDF5 error stack:\n{done.stderr}")
+    return done.stdout
+
+
+def look_up(report, key):
+    if key == "spans.active":
+        return report["spans"]["interior"] + report["spans"]["trimmed"]
+    if key == "spans.total":
+        return sum(report["spans"].values())
+    value = report
+    for name in key.split("."):
+        value = value[name]
+    return value
+
+
+def compare(figure, found):
+    """One line about a figure; None where it is as expected."""
+    if "range" in figure:
+        low, high = figure["range"]
+        return None if low <= found <= high else f"{figure['key']}: found {found}, expected {low} … {high}"
+    expected = figure["value"]
+    error = np.max(np.abs(np.asarray(found, float) - np.asarray(expected, float)))
+    allowed = figure.get("absolute", 0.0) + figure.get("relative", 0.0) * np.max(np.abs(expected))
+    if error <= allowed:
+        return None
+    return f"{figure['key']}: found {found}, expected {expected} to {allowed:.3g} ({figure['origin']})"
+
+
+def run_sample(folder, arguments):
+    """All deviations of one sample, one line each."""
+    with open(folder / "prep.toml", "rb") as file:
+        part = arguments.parts / Path(tomllib.load(file)["input"]).name
+    with open(folder / "expected.toml", "rb") as file:
+        figures = tomllib.load(file)["figure"]
+    model = arguments.work / (part.stem + ".h5")
+    report = json.loads(run([arguments.bin / "igaprep", folder / "prep.toml", "--input", part, "-o", model, "--force",
+                             "--json"], arguments.work))
+    run([arguments.bin / "igasolve", "check", model], arguments.work)
+
+    volume, centroid, area = surface_figures(read_stl(part))
+    size = np.cbrt(volume)
+    whole = report["volume"] - report.get("snapped_volume", 0.0) + report.get("dropped_volume", 0.0)
+    from_stl = "from the STL's triangles"
+    figures += [
+        {"key": "mesh_volume", "value": volume, "relative": SURFACE_TOLERANCE, "origin": from_stl},
+        {"key": "area", "value": area, "relative": SURFACE_TOLERANCE, "origin": from_stl},
+        {"key": "centroid", "value": centroid.tolist(), "absolute": 1e-6 * size, "origin": from_stl},
+        {"key": "max_residual", "range": [0.0, RESIDUAL_TOLERANCE]}]
+    wrong = [line for figure in figures if (line := compare(figure, look_up(report, figure["key"])))]
+    if abs(whole - volume) > POINTS_TOLERANCE * volume:
+        wrong.append(f"volume of all points, without snapping: found {whole}, expected {volume} ({from_stl})")
+    spans = report["spans"]
+    print(f"{folder.name:<24} {spans['interior']:>7} {spans['trimmed']:>7} {report['points']:>8} "
+          f"{report['max_residual']:>9.1e} {report['volume'] / volume - 1:>10.1e}  {'differs' if wrong else 'as expected'}")
+    return wrong
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("samples", nargs="*", help="names of folders in samples/ (default: all)")
+    parser.add_argument("--bin", type=Path, default=ROOT / "build/release/bin", help="folder of igaprep and igasolve")
+    parser.add_argument("--parts", type=Path, default=ROOT / "build/release/samples", help="folder of the STL files")
+    parser.add_argument("--work", type=Path, default=ROOT / "build/release/samples", help="folder of the models")
+    arguments = parser.parse_args()
+    arguments.bin, arguments.parts = arguments.bin.resolve(), arguments.parts.resolve()
+    arguments.work = arguments.work.resolve()
+    arguments.work.mkdir(parents=True, exist_ok=True)
+
+    known = sorted(folder.parent.name for folder in ROOT.glob("samples/*/expected.toml"))
+    if unknown := set(arguments.samples) - set(known):
+        sys.exit(f"run_samples.py: no sample is called {', '.join(sorted(unknown))}; there are: {', '.join(known)}")
+    print(f"{'sample':<24} interior trimmed   points  residual     volume")
+    failures = 0
+    for name in arguments.samples or known:
+        try:
+            wrong = run_sample(ROOT / "samples" / name, arguments)
+        except (AssertionError, OSError, KeyError, ValueError) as error:
+            wrong = [f"{type(error).__name__}: {error}"]
+        for line in wrong:
+            print(f"  {name}: {line}", file=sys.stderr)
+        failures += bool(wrong)
+    if failures:
+        sys.exit(f"run_samples.py: {failures} sample(s) differ from what is expected")
+
+
+if __name__ == "__main__":
+    main()
