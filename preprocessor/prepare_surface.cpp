@@ -2,10 +2,14 @@
 
 #include "format/model/errors.hpp"
 #include "preprocessor/surface_crossings.hpp"
+#include "preprocessor/surface_fill.hpp"
 #include "preprocessor/surface_regions.hpp"
 #include "preprocessor/surface_shells.hpp"
+#include "preprocessor/surface_stitch.hpp"
 #include "preprocessor/surface_topology.hpp"
+#include "preprocessor/surface_union.hpp"
 #include "preprocessor/surface_weld.hpp"
+#include "preprocessor/surface_wrap.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -41,9 +45,31 @@ public:
 
   PreparedSurface run() {
     clean();
+    if (options_.repair) close();
     judge_closedness();
     judge_shells();
     judge_crossings();
+    return finish();
+  }
+
+  /// A surface around this one instead of it, because of `reason`.
+  PreparedSurface run_wrapped(const std::string& reason) {
+    weld_equal_vertices(surface_);
+    drop_collapsed_facets(surface_);
+    if (!(size_ > 0) || surface_.mesh.triangles.empty()) throw InputError(reason);
+    const double alpha = options_.wrap_alpha.value_or(size_ / 200);
+    const double offset = options_.wrap_offset.value_or(alpha / 30);
+    if (!(alpha > 0) || !(offset > 0)) refuse(fmt::format("wrap alpha is {} and offset {}; both must be positive lengths", alpha, offset));
+    surface_.mesh = wrap_surface(surface_.mesh, alpha, offset);
+    surface_.normals.assign(surface_.mesh.triangles.size(), Point3{});
+    found(fmt::format("not usable as it is ({})", reason));
+    judge_closedness();
+    judge_shells();
+    out_.shape_changed = true;
+    found(fmt::format("wrapped: a closed surface around all facets with alpha {:.4g} and offset {:.4g} replaces the surface; "
+                      "it lies outside by about the offset, bridges gaps below alpha and rounds inner corners; volume {:.8g}",
+                      alpha, offset, volume_moments(surface_.mesh).volume));
+    warn("the shape was approximated by wrapping");
     return finish();
   }
 
@@ -89,6 +115,51 @@ private:
       found(fmt::format("{} turned to agree with the neighbours", counted(orienting.turned, "flipped facet", "flipped facets")));
   }
 
+  /// Closes cracks and holes: narrow cracks first, wide ones only where that does not make a solid.
+  void close() {
+    if (is_closed_chain(make_edge_table(surface_.mesh.triangles))) return;
+    struct Attempt {
+      double max_gap;    ///< of cracks, in diagonals
+      double max_ratio;  ///< crack over edge length
+    };
+    for (const Attempt& attempt : {Attempt{1e-4, 0.05}, Attempt{1e-2, 0.5}})
+      if (try_to_close(attempt.max_gap * size_, attempt.max_ratio)) return;
+  }
+
+  bool try_to_close(double max_gap, double max_ratio) {
+    // More new surface than this share of the old one, or facets that only cancel, is guessing and not repair.
+    constexpr double max_filled = 0.5, max_cancelled = 0.01;
+    Surface trial = surface_;
+    const double area = surface_area(trial.mesh);
+    const Stitching stitching = stitch_open_edges(trial, max_gap, max_ratio);
+    drop_duplicate_facets(trial);
+    const Orienting first = orient_facets(trial);
+    if (!first.orientable) return false;
+    const Filling filling = fill_holes(trial);
+    const double closed_area = surface_area(trial.mesh);
+    drop_duplicate_facets(trial);
+    const Orienting second = orient_facets(trial);
+    if (!second.orientable || trial.mesh.triangles.empty() || !is_closed_chain(make_edge_table(trial.mesh.triangles))) return false;
+    const Shells shells = find_shells(trial.mesh);
+    double flat = closed_area - surface_area(trial.mesh);
+    for (std::size_t s = 0; s < shells.count(); ++s)
+      if (is_flat(shells, s)) flat += shells.area[s];
+    if (filling.area > max_filled * area || flat > max_cancelled * area) return false;
+
+    surface_ = std::move(trial);
+    out_.shape_changed = true;
+    if (stitching.joined > 0)
+      found(fmt::format("cracks closed: {} on open edges joined, gaps up to {:.3g} ({:.1e} of the diagonal)",
+                        counted(stitching.joined, "vertex", "vertices"), stitching.widest, stitching.widest / size_));
+    if (const auto turned = first.turned + second.turned; turned > 0)
+      found(fmt::format("{} turned to agree with the neighbours", counted(turned, "flipped facet", "flipped facets")));
+    if (filling.holes > 0)
+      found(fmt::format("{} filled with {} of {:.4g} area ({:.2g} % of the surface; the first near {}); region \"repaired\"",
+                        counted(filling.holes, "hole", "holes"), counted(filling.facets, "facet", "facets"), filling.area,
+                        100 * filling.area / area, at(filling.where)));
+    return true;
+  }
+
   void judge_closedness() {
     const EdgeTable edges = make_edge_table(surface_.mesh.triangles);
     const EdgeDefects defects = find_edge_defects(surface_.mesh, edges);
@@ -122,46 +193,105 @@ private:
     else if (!nesting.turned.empty())
       found(fmt::format("{} turned round", counted(static_cast<std::int64_t>(nesting.turned.size()), "shell was inside out and was",
                                                     "shells were inside out and were")));
-    if (!nesting.doubled.empty()) refuse_or_warn_overlap(nesting.doubled);
+    if (!nesting.doubled.empty()) judge_doubled(nesting.doubled);
+  }
+
+  /// A shell that encloses nothing beyond rounding.
+  bool is_flat(const Shells& shells, std::size_t s) const {
+    return !(std::abs(shells.volume[s]) > no_volume * size_ * shells.area[s]);
+  }
+
+  /// A shell thinner than rounding that lies within the box of a thicker one: dust between touching bodies.
+  bool is_dust(std::size_t s) const {
+    const auto thickness = [&](std::size_t i) { return 2 * std::abs(shells_.volume[i]) / shells_.area[i]; };
+    if (thickness(s) > touch_tolerance * size_) return false;
+    for (std::size_t o = 0; o < shells_.count(); ++o)
+      if (thickness(o) > touch_tolerance * size_ && box_contains(shells_.box[o], shells_.box[s], touch_tolerance * size_)) return true;
+    return false;
   }
 
   /// Shells that enclose nothing (a facet with its back, a folded sheet) add nothing but noise.
   void drop_flat_shells() {
+    if (!closed_) return;
     std::vector<bool> keep(surface_.mesh.triangles.size(), true);
     std::int64_t flat = 0;
+    double volume = 0;
     for (std::size_t s = 0; s < shells_.count(); ++s) {
-      if (!closed_ || std::abs(shells_.volume[s]) > no_volume * size_ * shells_.area[s]) continue;
+      if (!is_flat(shells_, s) && !is_dust(s)) continue;
       ++flat;
+      volume += std::abs(shells_.volume[s]);
       for (std::int32_t f : shells_.facets[s]) keep[static_cast<std::size_t>(f)] = false;
     }
     if (flat == 0) return;
     if (flat == static_cast<std::int64_t>(shells_.count()))
-      refuse(fmt::format("the surface encloses no volume ({} on {:.3g} of area); a solid is needed: export the part as a "
-                         "closed body", counted(flat, "flat shell", "flat shells"), surface_area(surface_.mesh)));
+      refuse(fmt::format("the surface encloses no volume ({} of {:.3g} area); a solid is needed: export the part as a closed "
+                         "body", counted(flat, "flat shell", "flat shells"), surface_area(surface_.mesh)));
     keep_triangles(surface_, keep);
     shells_ = find_shells(surface_.mesh);
-    found(fmt::format("{} without volume dropped", counted(flat, "shell", "shells")));
+    found(fmt::format("{} without thickness dropped (volume {:.2g} in all)", counted(flat, "shell", "shells"), volume));
   }
 
-  void refuse_or_warn_overlap(const std::vector<std::int32_t>& doubled) {
+  /// Bodies inside bodies: their shells go where repairs are allowed.
+  void judge_doubled(const std::vector<std::int32_t>& doubled) {
+    if (options_.repair) {
+      std::vector<bool> keep(surface_.mesh.triangles.size(), true);
+      for (std::int32_t s : doubled)
+        for (std::int32_t f : shells_.facets[static_cast<std::size_t>(s)]) keep[static_cast<std::size_t>(f)] = false;
+      keep_triangles(surface_, keep);
+      found(fmt::format("{} inside another body dropped", counted(static_cast<std::int64_t>(doubled.size()), "shell", "shells")));
+      out_.shape_changed = true;
+      shells_ = find_shells(surface_.mesh);
+      count_bodies();
+      return;
+    }
     const Box3& box = shells_.box[static_cast<std::size_t>(doubled.front())];
     const Point3 middle = vec::add(box.lower, vec::mul(vec::sub(box.upper, box.lower), 0.5));
-    const std::string text = fmt::format("{} inside another body and face outwards like it (first one around {}): their "
-                                         "volume would count twice", counted(static_cast<std::int64_t>(doubled.size()), "shell lies", "shells lie"), at(middle));
+    const std::string text = fmt::format(
+        "{} outwards inside another body (first one around {}): its volume would count twice",
+        counted(static_cast<std::int64_t>(doubled.size()), "shell faces", "shells face"), at(middle));
     if (!options_.accept_leaks)
-      refuse(text + "; --repair unites the bodies; turn the shell round if it is meant as a cavity");
+      refuse(text + "; --repair unites the bodies; turn the shell round where it is meant as a cavity");
     warn(text);
   }
 
+  void count_bodies() {
+    out_.cavities = static_cast<int>(std::count_if(shells_.volume.begin(), shells_.volume.end(), [](double v) { return v < 0; }));
+    out_.bodies = static_cast<int>(shells_.count()) - out_.cavities;
+  }
+
   void judge_crossings() {
-    const Crossings crossings = find_crossings(surface_.mesh, shells_, touch_tolerance * size_);
+    Crossings crossings = find_crossings(surface_.mesh, shells_, touch_tolerance * size_);
+    std::string failure;
+    if (options_.repair && !crossings.shells.empty()) {
+      failure = unite(crossings);
+      if (failure.empty()) crossings = find_crossings(surface_.mesh, shells_, touch_tolerance * size_);
+    }
     if (crossings.pairs == 0) return;
-    const std::string where = fmt::format("{} cross (up to {:.3g} deep, deepest near {})",
-                                          counted(crossings.pairs, "pair of facets", "pairs of facets"), crossings.depth, at(crossings.where));
+    const std::string where = fmt::format("{} (up to {:.3g} deep, deepest near {})",
+                                          counted(crossings.pairs, "pair of facets crosses", "pairs of facets cross"),
+                                          crossings.depth, at(crossings.where));
     if (!crossings.shells.empty() && !options_.accept_leaks)
-      refuse(fmt::format("bodies overlap: {}, {} of shells; the overlap would count twice; --repair unites the bodies", where,
-                         counted(static_cast<std::int64_t>(crossings.shells.size()), "pair", "pairs")));
-    warn(fmt::format("the surface intersects itself: {}; the volume there may count twice; --repair removes it", where));
+      refuse(fmt::format("bodies overlap: {} of {}; the overlap would count twice; {}", where,
+                         counted(static_cast<std::int64_t>(crossings.shells.size()), "pair of shells", "pairs of shells"),
+                         options_.repair ? fmt::format("--repair could not unite them ({}); --wrap makes one surface around them",
+                                                       failure.empty() ? "the union still crosses itself" : failure)
+                                         : "--repair unites the bodies"));
+    warn(fmt::format("the surface intersects itself: {}; the volume there may count twice", where));
+  }
+
+  /// @return why it failed, empty on success
+  std::string unite(const Crossings& crossings) {
+    const Uniting uniting = unite_bodies(surface_, shells_, crossings.shells);
+    if (!uniting.failure.empty()) return uniting.failure;
+    weld_equal_vertices(surface_);
+    drop_collapsed_facets(surface_);
+    drop_duplicate_facets(surface_);
+    shells_ = find_shells(surface_.mesh);
+    out_.shape_changed = true;
+    drop_flat_shells();
+    count_bodies();
+    found(fmt::format("overlapping bodies united: {} became {}", uniting.bodies, uniting.unions));
+    return {};
   }
 
   PreparedSurface finish() {
@@ -186,7 +316,12 @@ private:
 } // namespace
 
 PreparedSurface prepare_surface(ReadMesh input, const SurfaceOptions& options) {
-  return Preparation(std::move(input), options).run();
+  if (!options.wrap) return Preparation(std::move(input), options).run();
+  try {
+    return Preparation(input, options).run();
+  } catch (const InputError& reason) {
+    return Preparation(std::move(input), options).run_wrapped(reason.what());
+  }
 }
 
 } // namespace iga::prep

@@ -230,13 +230,13 @@ double winding_number(const TriangleMesh& mesh, std::span<const std::int32_t> fa
   return sum / (2 * std::numbers::pi);
 }
 
-namespace {
-
-bool contains(const Box3& outer, const Box3& inner, double slack) {
+bool box_contains(const Box3& outer, const Box3& inner, double slack) {
   for (Index d = 0; d < 3; ++d)
     if (inner.lower[d] < outer.lower[d] - slack || inner.upper[d] > outer.upper[d] + slack) return false;
   return true;
 }
+
+namespace {
 
 /// Whether shell `inner` lies inside shell `outer`, by the first of its facets whose middle is clearly in or out.
 bool lies_inside(const TriangleMesh& mesh, const Shells& shells, Index inner, Index outer) {
@@ -297,7 +297,7 @@ Nesting orient_shells(Surface& surface, Shells& shells) {
     for (Index o = 0; o < n; ++o) {
       const double slack = 1e-9 * diagonal(shells.box[o]);
       if (o == s || std::abs(shells.volume[o]) <= std::abs(shells.volume[s])) continue;
-      if (contains(shells.box[o], shells.box[s], slack) && lies_inside(mesh, shells, s, o)) around[s].push_back(o);
+      if (box_contains(shells.box[o], shells.box[s], slack) && lies_inside(mesh, shells, s, o)) around[s].push_back(o);
     }
   });
   std::vector<Index> order(n);

@@ -33,6 +33,9 @@ Shells find_shells(const TriangleMesh& mesh);
 /// 1 inside a closed outward shell, 0 outside, near 0.5 on the surface.
 double winding_number(const TriangleMesh& mesh, std::span<const std::int32_t> facets, const Point3& x);
 
+/// Whether `inner` lies in `outer` grown by `slack`.
+bool box_contains(const Box3& outer, const Box3& inner, double slack);
+
 /// The shells' roles.
 /// Rule: a shell whose surroundings are empty is a body, one that lies in material is a cavity if it faces inwards (its
 /// facets run opposite to the body's, or at least its stored normals point into it), else it is a body inside a body.
