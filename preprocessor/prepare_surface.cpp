@@ -8,6 +8,7 @@
 #include "preprocessor/surface_stitch.hpp"
 #include "preprocessor/surface_topology.hpp"
 #include "preprocessor/surface_union.hpp"
+#include "preprocessor/surface_untangle.hpp"
 #include "preprocessor/surface_weld.hpp"
 #include "preprocessor/surface_wrap.hpp"
 
@@ -60,7 +61,13 @@ public:
     const double alpha = options_.wrap_alpha.value_or(size_ / 200);
     const double offset = options_.wrap_offset.value_or(alpha / 30);
     if (!(alpha > 0) || !(offset > 0)) refuse(fmt::format("wrap alpha is {} and offset {}; both must be positive lengths", alpha, offset));
+    const double area = surface_area(surface_.mesh);
     surface_.mesh = wrap_surface(surface_.mesh, alpha, offset);
+    // An open surface whose hole lets the wrap in is wrapped from both sides: a skin as thick as twice the offset.
+    if (const double volume = volume_moments(surface_.mesh).volume; volume < 4 * offset * area)
+      refuse(fmt::format("wrapping gave only a skin around the facets (volume {:.4g}, twice the offset times the area is {:.4g}): "
+                         "a hole is wider than alpha = {:.4g}; --repair fills holes, a larger --wrap-alpha bridges them",
+                         volume, 2 * offset * area, alpha));
     surface_.normals.assign(surface_.mesh.triangles.size(), Point3{});
     found(fmt::format("not usable as it is ({})", reason));
     judge_closedness();
@@ -128,7 +135,7 @@ private:
 
   bool try_to_close(double max_gap, double max_ratio) {
     // More new surface than this share of the old one, or facets that only cancel, is guessing and not repair.
-    constexpr double max_filled = 0.5, max_cancelled = 0.01;
+    constexpr double max_filled = 0.5, max_cancelled = 0.01, much_filled = 0.02;
     Surface trial = surface_;
     const double area = surface_area(trial.mesh);
     const Stitching stitching = stitch_open_edges(trial, max_gap, max_ratio);
@@ -157,6 +164,8 @@ private:
       found(fmt::format("{} filled with {} of {:.4g} area ({:.2g} % of the surface; the first near {}); region \"repaired\"",
                         counted(filling.holes, "hole", "holes"), counted(filling.facets, "facet", "facets"), filling.area,
                         100 * filling.area / area, at(filling.where)));
+    if (filling.area > much_filled * area)
+      warn(fmt::format("{:.2g} % of the surface was missing and is guessed: compare the volume with the part's", 100 * filling.area / area));
     return true;
   }
 
@@ -185,7 +194,7 @@ private:
   void judge_shells() {
     shells_ = find_shells(surface_.mesh);
     drop_flat_shells();
-    const Nesting nesting = orient_shells(surface_, shells_);
+    const Nesting nesting = orient_shells(surface_, shells_, 2 * touch_tolerance * size_);
     out_.bodies = nesting.bodies;
     out_.cavities = nesting.cavities;
     if (nesting.whole_turned)
@@ -259,14 +268,21 @@ private:
     out_.bodies = static_cast<int>(shells_.count()) - out_.cavities;
   }
 
-  void judge_crossings() {
+  Crossings look_for_crossings() const {
     Crossings crossings = find_crossings(surface_.mesh, shells_, touch_tolerance * size_);
+    add_hidden_overlaps(crossings);
+    return crossings;
+  }
+
+  void judge_crossings() {
+    Crossings crossings = look_for_crossings();
     std::string failure;
+    if (options_.repair && untangle(crossings)) crossings = look_for_crossings();
     if (options_.repair && !crossings.shells.empty()) {
       failure = unite(crossings);
-      if (failure.empty()) crossings = find_crossings(surface_.mesh, shells_, touch_tolerance * size_);
+      if (failure.empty()) crossings = look_for_crossings();
     }
-    if (crossings.pairs == 0) return;
+    if (crossings.pairs == 0 && crossings.shells.empty()) return;
     const std::string where = fmt::format("{} (up to {:.3g} deep, deepest near {})",
                                           counted(crossings.pairs, "pair of facets crosses", "pairs of facets cross"),
                                           crossings.depth, at(crossings.where));
@@ -276,13 +292,25 @@ private:
                          options_.repair ? fmt::format("--repair could not unite them ({}); --wrap makes one surface around them",
                                                        failure.empty() ? "the union still crosses itself" : failure)
                                          : "--repair unites the bodies"));
-    warn(fmt::format("the surface intersects itself: {}; the volume there may count twice", where));
+    warn(fmt::format("the surface intersects itself: {}; the volume there may count twice; {}", where,
+                     options_.repair ? "--repair could not remove it" : "--repair removes it"));
   }
 
-  /// @return why it failed, empty on success
-  std::string unite(const Crossings& crossings) {
-    const Uniting uniting = unite_bodies(surface_, shells_, crossings.shells);
-    if (!uniting.failure.empty()) return uniting.failure;
+  /// Removes what single shells enclose twice. @return whether anything changed
+  bool untangle(const Crossings& crossings) {
+    std::vector<std::int32_t> tangled;
+    for (const auto& [s, t] : crossings.facets)
+      if (const std::int32_t shell = shells_.shell[static_cast<std::size_t>(s)]; shell == shells_.shell[static_cast<std::size_t>(t)])
+        tangled.push_back(shell);
+    std::sort(tangled.begin(), tangled.end());
+    tangled.erase(std::unique(tangled.begin(), tangled.end()), tangled.end());
+    if (tangled.empty() || !untangle_shells(surface_, shells_, tangled)) return false;
+    after_rebuild();
+    found(fmt::format("self-intersections removed from {}", counted(static_cast<std::int64_t>(tangled.size()), "shell", "shells")));
+    return true;
+  }
+
+  void after_rebuild() {
     weld_equal_vertices(surface_);
     drop_collapsed_facets(surface_);
     drop_duplicate_facets(surface_);
@@ -290,6 +318,25 @@ private:
     out_.shape_changed = true;
     drop_flat_shells();
     count_bodies();
+  }
+
+  /// Overlaps without a crossing in the open, such as a box pushed into another along shared facet edges: a shell with
+  /// facets inside and outside of another. Adds to `crossings.shells`.
+  void add_hidden_overlaps(Crossings& crossings) const {
+    for (const auto& [a, b] : crossings.touching) {
+      if (std::binary_search(crossings.shells.begin(), crossings.shells.end(), std::pair(a, b))) continue;
+      const double depth = 2 * touch_tolerance * size_;
+      if (!reaches_in_and_out(surface_.mesh, shells_, a, b, depth) && !reaches_in_and_out(surface_.mesh, shells_, b, a, depth))
+        continue;
+      crossings.shells.insert(std::upper_bound(crossings.shells.begin(), crossings.shells.end(), std::pair(a, b)), {a, b});
+    }
+  }
+
+  /// @return why it failed, empty on success
+  std::string unite(const Crossings& crossings) {
+    const Uniting uniting = unite_bodies(surface_, shells_, crossings.shells);
+    if (!uniting.failure.empty()) return uniting.failure;
+    after_rebuild();
     found(fmt::format("overlapping bodies united: {} became {}", uniting.bodies, uniting.unions));
     return {};
   }

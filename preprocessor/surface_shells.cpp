@@ -238,18 +238,40 @@ bool box_contains(const Box3& outer, const Box3& inner, double slack) {
 
 namespace {
 
+/// The middle of a shell's facet, moved by `depth` into what the shell encloses: where two bodies touch, rounding puts
+/// the facets of one a little into the other.
+Point3 point_below(const TriangleMesh& mesh, const Shells& shells, Index shell, Index t, double depth) {
+  const Point3& x = corner(mesh, t, 0);
+  const Point3 middle = vec::add(x, vec::mul(vec::add(vec::sub(corner(mesh, t, 1), x), vec::sub(corner(mesh, t, 2), x)), 1.0 / 3));
+  const Point3 normal = area_vector(mesh, t);
+  const double length = vec::norm(normal);
+  if (length == 0) return middle;
+  return vec::add(middle, vec::mul(normal, (shells.volume[shell] > 0 ? -depth : depth) / length));
+}
+
+enum class Side { Out, On, In };
+
+/// Distance of a winding number from an integer up to which it decides; on the surface it is 1/2 away.
+constexpr double clear_winding = 0.05;
+
+Side side_of(const TriangleMesh& mesh, const Shells& shells, Index shell, const Point3& x) {
+  const Box3& box = shells.box[shell];
+  for (Index d = 0; d < 3; ++d)
+    if (x[d] < box.lower[d] || x[d] > box.upper[d]) return Side::Out;
+  const double w = winding_number(mesh, shells.facets[shell], x);
+  if (std::abs(w - std::round(w)) > clear_winding) return Side::On;
+  return std::abs(w) > 0.5 ? Side::In : Side::Out;
+}
+
 /// Whether shell `inner` lies inside shell `outer`, by the first of its facets whose middle is clearly in or out.
-bool lies_inside(const TriangleMesh& mesh, const Shells& shells, Index inner, Index outer) {
+bool lies_inside(const TriangleMesh& mesh, const Shells& shells, Index inner, Index outer, double depth) {
   constexpr Index max_samples = 40;
-  constexpr double clear = 0.05;  // distance of a winding number from an integer; on the surface it is 1/2
   const auto& facets = shells.facets[inner];
   const Index samples = std::min(max_samples, facets.size());
   for (Index s = 0; s < samples; ++s) {
-    const auto t = static_cast<Index>(facets[s * facets.size() / samples]);
-    Point3 x = corner(mesh, t, 0);
-    x = vec::add(x, vec::mul(vec::add(vec::sub(corner(mesh, t, 1), x), vec::sub(corner(mesh, t, 2), x)), 1.0 / 3));
-    const double w = winding_number(mesh, shells.facets[outer], x);
-    if (std::abs(w - std::round(w)) < clear) return std::abs(w) > 0.5;
+    const Point3 x = point_below(mesh, shells, inner, static_cast<Index>(facets[s * facets.size() / samples]), depth);
+    const Side side = side_of(mesh, shells, outer, x);
+    if (side != Side::On) return side == Side::In;
   }
   return false;
 }
@@ -289,7 +311,22 @@ Roles assign_roles(const std::vector<Index>& order, const std::vector<std::vecto
 
 } // namespace
 
-Nesting orient_shells(Surface& surface, Shells& shells) {
+bool reaches_in_and_out(const TriangleMesh& mesh, const Shells& shells, std::int32_t a, std::int32_t b, double depth) {
+  constexpr Index max_samples = 100;
+  const auto& facets = shells.facets[static_cast<Index>(a)];
+  const Index samples = std::min(max_samples, facets.size());
+  bool in = false, out = false;
+  for (Index s = 0; s < samples && !(in && out); ++s) {
+    const auto t = static_cast<Index>(facets[s * facets.size() / samples]);
+    const Point3 x = point_below(mesh, shells, static_cast<Index>(a), t, depth);
+    const Side side = side_of(mesh, shells, static_cast<Index>(b), x);
+    in = in || side == Side::In;
+    out = out || side == Side::Out;
+  }
+  return in && out;
+}
+
+Nesting orient_shells(Surface& surface, Shells& shells, double depth) {
   const Index n = shells.count();
   const TriangleMesh& mesh = surface.mesh;
   std::vector<std::vector<Index>> around(n);
@@ -297,7 +334,7 @@ Nesting orient_shells(Surface& surface, Shells& shells) {
     for (Index o = 0; o < n; ++o) {
       const double slack = 1e-9 * diagonal(shells.box[o]);
       if (o == s || std::abs(shells.volume[o]) <= std::abs(shells.volume[s])) continue;
-      if (box_contains(shells.box[o], shells.box[s], slack) && lies_inside(mesh, shells, s, o)) around[s].push_back(o);
+      if (box_contains(shells.box[o], shells.box[s], slack) && lies_inside(mesh, shells, s, o, depth)) around[s].push_back(o);
     }
   });
   std::vector<Index> order(n);

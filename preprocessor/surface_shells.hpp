@@ -36,6 +36,9 @@ double winding_number(const TriangleMesh& mesh, std::span<const std::int32_t> fa
 /// Whether `inner` lies in `outer` grown by `slack`.
 bool box_contains(const Box3& outer, const Box3& inner, double slack);
 
+/// Whether what lies `depth` below shell `a`'s facets (up to 100 of them are looked at) is partly inside shell `b`.
+bool reaches_in_and_out(const TriangleMesh& mesh, const Shells& shells, std::int32_t a, std::int32_t b, double depth);
+
 /// The shells' roles.
 /// Rule: a shell whose surroundings are empty is a body, one that lies in material is a cavity if it faces inwards (its
 /// facets run opposite to the body's, or at least its stored normals point into it), else it is a body inside a body.
@@ -47,6 +50,7 @@ struct Nesting {
   bool whole_turned = false;           ///< every shell was turned: the part came inside out
   std::vector<std::int32_t> doubled;   ///< shells inside another body that face outwards: counted twice
 };
-Nesting orient_shells(Surface& surface, Shells& shells);
+/// @param depth  how far below its facets a shell is asked where it lies, length; more than touching bodies overlap
+Nesting orient_shells(Surface& surface, Shells& shells, double depth);
 
 } // namespace iga::prep
