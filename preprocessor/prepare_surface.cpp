@@ -27,7 +27,9 @@ constexpr double touch_tolerance = 1e-6;
 /// Volume below this times diagonal³ is none: a plate of 1e-5 of its diagonal has 1e-6.
 constexpr double no_volume = 1e-12;
 
-std::string at(const Point3& x) { return fmt::format("{:.6g} {:.6g} {:.6g}", x[0], x[1], x[2]); }
+std::string at(const Point3& x) {
+  return fmt::format("{:.6g} {:.6g} {:.6g}", x[0], x[1], x[2]);
+}
 
 std::string counted(std::int64_t n, const std::string& one, const std::string& many) {
   return fmt::format("{} {}", n, n == 1 ? one : many);
@@ -35,7 +37,7 @@ std::string counted(std::int64_t n, const std::string& one, const std::string& m
 
 /// One run over one surface: collects what was found on the way.
 class Preparation {
-public:
+ public:
   Preparation(ReadMesh input, const SurfaceOptions& options) : file_(std::move(input.file)), options_(options) {
     surface_.mesh = std::move(input.mesh);
     surface_.normals = std::move(input.facet_normals);
@@ -60,27 +62,31 @@ public:
     if (!(size_ > 0) || surface_.mesh.triangles.empty()) throw InputError(reason);
     const double alpha = options_.wrap_alpha.value_or(size_ / 200);
     const double offset = options_.wrap_offset.value_or(alpha / 30);
-    if (!(alpha > 0) || !(offset > 0)) refuse(fmt::format("wrap alpha is {} and offset {}; both must be positive lengths", alpha, offset));
+    if (!(alpha > 0) || !(offset > 0))
+      refuse(fmt::format("wrap alpha is {} and offset {}; both must be positive lengths", alpha, offset));
     const double area = surface_area(surface_.mesh);
     surface_.mesh = wrap_surface(surface_.mesh, alpha, offset);
-    // An open surface whose hole lets the wrap in is wrapped from both sides: a skin as thick as twice the offset.
-    if (const double volume = volume_moments(surface_.mesh).volume; volume < 4 * offset * area)
-      refuse(fmt::format("wrapping gave only a skin around the facets (volume {:.4g}, twice the offset times the area is {:.4g}): "
-                         "a hole is wider than alpha = {:.4g}; --repair fills holes, a larger --wrap-alpha bridges them",
-                         volume, 2 * offset * area, alpha));
+    // An open surface whose hole lets the wrap in is wrapped from both sides: twice the area, hardly any volume.
+    const double volume = volume_moments(surface_.mesh).volume;
+    if (surface_area(surface_.mesh) > 1.5 * area && volume < alpha * area)
+      refuse(fmt::format(
+          "wrapping gave only a skin around the facets (volume {:.4g}): a hole is wider than alpha = {:.4g}; "
+          "--repair fills holes, a larger --wrap-alpha bridges them",
+          volume, alpha));
     surface_.normals.assign(surface_.mesh.triangles.size(), Point3{});
     found(fmt::format("not usable as it is ({})", reason));
     judge_closedness();
     judge_shells();
     out_.shape_changed = true;
-    found(fmt::format("wrapped: a closed surface around all facets with alpha {:.4g} and offset {:.4g} replaces the surface; "
-                      "it lies outside by about the offset, bridges gaps below alpha and rounds inner corners; volume {:.8g}",
-                      alpha, offset, volume_moments(surface_.mesh).volume));
+    found(fmt::format(
+        "wrapped: a closed surface around all facets with alpha {:.4g} and offset {:.4g} replaces the surface; "
+        "it lies outside by about the offset, bridges gaps below alpha and rounds inner corners; volume {:.8g}",
+        alpha, offset, volume));
     warn("the shape was approximated by wrapping");
     return finish();
   }
 
-private:
+ private:
   void found(std::string text) { out_.findings.push_back(std::move(text)); }
   void warn(std::string text) { out_.warnings.push_back(std::move(text)); }
   [[noreturn]] void refuse(const std::string& text) const { throw InputError(fmt::format("{}: {}", file_, text)); }
@@ -90,7 +96,8 @@ private:
     if (!(size_ > 0)) refuse("the surface has no extent: all vertices coincide; export the part again");
     weld_equal_vertices(surface_);
     std::int64_t collapsed = drop_collapsed_facets(surface_);
-    if (surface_.mesh.triangles.empty()) refuse("the surface has no area: every facet has two equal vertices; export the part again");
+    if (surface_.mesh.triangles.empty())
+      refuse("the surface has no area: every facet has two equal vertices; export the part again");
     const std::int64_t facets_before = static_cast<std::int64_t>(surface_.mesh.triangles.size());
     const NearWeld near = weld_near_vertices(surface_);
     if (near.joined > 0)
@@ -100,34 +107,39 @@ private:
     if (collapsed > 0) found(fmt::format("{} with coinciding vertices dropped", counted(collapsed, "facet", "facets")));
     drop_duplicates();
     if (const auto needles = count_needle_facets(surface_.mesh); needles > 0)
-      found(fmt::format("{} without area kept: the surface would open along them", counted(needles, "facet", "facets")));
+      found(
+          fmt::format("{} without area kept: the surface would open along them", counted(needles, "facet", "facets")));
     orient();
   }
 
   void drop_duplicates() {
     const DuplicateFacets twins = drop_duplicate_facets(surface_);
-    if (twins.repeated > 0) found(fmt::format("{} dropped", counted(twins.repeated, "duplicate facet", "duplicate facets")));
+    if (twins.repeated > 0)
+      found(fmt::format("{} dropped", counted(twins.repeated, "duplicate facet", "duplicate facets")));
     if (twins.cancelled > 0)
       found(fmt::format("{} in opposite pairs dropped (walls between touching bodies)",
                         counted(twins.cancelled, "facet", "facets")));
-    if (surface_.mesh.triangles.empty()) refuse("the surface encloses nothing: its facets cancel in pairs; export the part as a solid");
+    if (surface_.mesh.triangles.empty())
+      refuse("the surface encloses nothing: its facets cancel in pairs; export the part as a solid");
   }
 
   void orient() {
     const Orienting orienting = orient_facets(surface_);
     if (!orienting.orientable)
       refuse(fmt::format("the surface is one-sided near {}: its facets cannot be turned to agree about the outside; "
-                         "--wrap makes a closed surface around it", at(orienting.where)));
+                         "--wrap makes a closed surface around it",
+                         at(orienting.where)));
     if (orienting.turned > 0)
-      found(fmt::format("{} turned to agree with the neighbours", counted(orienting.turned, "flipped facet", "flipped facets")));
+      found(fmt::format("{} turned to agree with the neighbours",
+                        counted(orienting.turned, "flipped facet", "flipped facets")));
   }
 
   /// Closes cracks and holes: narrow cracks first, wide ones only where that does not make a solid.
   void close() {
     if (is_closed_chain(make_edge_table(surface_.mesh.triangles))) return;
     struct Attempt {
-      double max_gap;    ///< of cracks, in diagonals
-      double max_ratio;  ///< crack over edge length
+      double max_gap;   ///< of cracks, in diagonals
+      double max_ratio; ///< crack over edge length
     };
     for (const Attempt& attempt : {Attempt{1e-4, 0.05}, Attempt{1e-2, 0.5}})
       if (try_to_close(attempt.max_gap * size_, attempt.max_ratio)) return;
@@ -146,7 +158,8 @@ private:
     const double closed_area = surface_area(trial.mesh);
     drop_duplicate_facets(trial);
     const Orienting second = orient_facets(trial);
-    if (!second.orientable || trial.mesh.triangles.empty() || !is_closed_chain(make_edge_table(trial.mesh.triangles))) return false;
+    if (!second.orientable || trial.mesh.triangles.empty() || !is_closed_chain(make_edge_table(trial.mesh.triangles)))
+      return false;
     const Shells shells = find_shells(trial.mesh);
     double flat = closed_area - surface_area(trial.mesh);
     for (std::size_t s = 0; s < shells.count(); ++s)
@@ -161,11 +174,13 @@ private:
     if (const auto turned = first.turned + second.turned; turned > 0)
       found(fmt::format("{} turned to agree with the neighbours", counted(turned, "flipped facet", "flipped facets")));
     if (filling.holes > 0)
-      found(fmt::format("{} filled with {} of {:.4g} area ({:.2g} % of the surface; the first near {}); region \"repaired\"",
-                        counted(filling.holes, "hole", "holes"), counted(filling.facets, "facet", "facets"), filling.area,
-                        100 * filling.area / area, at(filling.where)));
+      found(fmt::format(
+          "{} filled with {} of {:.4g} area ({:.2g} % of the surface; the first near {}); region \"repaired\"",
+          counted(filling.holes, "hole", "holes"), counted(filling.facets, "facet", "facets"), filling.area,
+          100 * filling.area / area, at(filling.where)));
     if (filling.area > much_filled * area)
-      warn(fmt::format("{:.2g} % of the surface was missing and is guessed: compare the volume with the part's", 100 * filling.area / area));
+      warn(fmt::format("{:.2g} % of the surface was missing and is guessed: compare the volume with the part's",
+                       100 * filling.area / area));
     return true;
   }
 
@@ -182,8 +197,9 @@ private:
                              counted(defects.turned, "edge", "edges"), at(defects.first_turned));
       if (!options_.accept_leaks)
         refuse(fmt::format("{}; {}", text,
-                           options_.repair ? "--repair could not close it; --wrap makes a closed surface around it"
-                                           : "--repair closes holes and gaps, --wrap makes a closed surface around it"));
+                           options_.repair
+                               ? "--repair could not close it; --wrap makes a closed surface around it"
+                               : "--repair closes holes and gaps, --wrap makes a closed surface around it"));
       warn(text + "; accepted as asked, volumes near it are wrong");
     }
     if (defects.non_manifold > 0)
@@ -200,8 +216,8 @@ private:
     if (nesting.whole_turned)
       found("the surface was inside out and was turned round");
     else if (!nesting.turned.empty())
-      found(fmt::format("{} turned round", counted(static_cast<std::int64_t>(nesting.turned.size()), "shell was inside out and was",
-                                                    "shells were inside out and were")));
+      found(fmt::format("{} turned round", counted(static_cast<std::int64_t>(nesting.turned.size()),
+                                                   "shell was inside out and was", "shells were inside out and were")));
     if (!nesting.doubled.empty()) judge_doubled(nesting.doubled);
   }
 
@@ -215,7 +231,9 @@ private:
     const auto thickness = [&](std::size_t i) { return 2 * std::abs(shells_.volume[i]) / shells_.area[i]; };
     if (thickness(s) > touch_tolerance * size_) return false;
     for (std::size_t o = 0; o < shells_.count(); ++o)
-      if (thickness(o) > touch_tolerance * size_ && box_contains(shells_.box[o], shells_.box[s], touch_tolerance * size_)) return true;
+      if (thickness(o) > touch_tolerance * size_ &&
+          box_contains(shells_.box[o], shells_.box[s], touch_tolerance * size_))
+        return true;
     return false;
   }
 
@@ -233,8 +251,10 @@ private:
     }
     if (flat == 0) return;
     if (flat == static_cast<std::int64_t>(shells_.count()))
-      refuse(fmt::format("the surface encloses no volume ({} of {:.3g} area); a solid is needed: export the part as a closed "
-                         "body", counted(flat, "flat shell", "flat shells"), surface_area(surface_.mesh)));
+      refuse(fmt::format(
+          "the surface encloses no volume ({} of {:.3g} area); a solid is needed: export the part as a closed "
+          "body",
+          counted(flat, "flat shell", "flat shells"), surface_area(surface_.mesh)));
     keep_triangles(surface_, keep);
     shells_ = find_shells(surface_.mesh);
     found(fmt::format("{} without thickness dropped (volume {:.2g} in all)", counted(flat, "shell", "shells"), volume));
@@ -247,7 +267,8 @@ private:
       for (std::int32_t s : doubled)
         for (std::int32_t f : shells_.facets[static_cast<std::size_t>(s)]) keep[static_cast<std::size_t>(f)] = false;
       keep_triangles(surface_, keep);
-      found(fmt::format("{} inside another body dropped", counted(static_cast<std::int64_t>(doubled.size()), "shell", "shells")));
+      found(fmt::format("{} inside another body dropped",
+                        counted(static_cast<std::int64_t>(doubled.size()), "shell", "shells")));
       out_.shape_changed = true;
       shells_ = find_shells(surface_.mesh);
       count_bodies();
@@ -255,16 +276,17 @@ private:
     }
     const Box3& box = shells_.box[static_cast<std::size_t>(doubled.front())];
     const Point3 middle = vec::add(box.lower, vec::mul(vec::sub(box.upper, box.lower), 0.5));
-    const std::string text = fmt::format(
-        "{} outwards inside another body (first one around {}): its volume would count twice",
-        counted(static_cast<std::int64_t>(doubled.size()), "shell faces", "shells face"), at(middle));
+    const std::string text =
+        fmt::format("{} outwards inside another body (first one around {}): its volume would count twice",
+                    counted(static_cast<std::int64_t>(doubled.size()), "shell faces", "shells face"), at(middle));
     if (!options_.accept_leaks)
       refuse(text + "; --repair unites the bodies; turn the shell round where it is meant as a cavity");
     warn(text);
   }
 
   void count_bodies() {
-    out_.cavities = static_cast<int>(std::count_if(shells_.volume.begin(), shells_.volume.end(), [](double v) { return v < 0; }));
+    out_.cavities =
+        static_cast<int>(std::count_if(shells_.volume.begin(), shells_.volume.end(), [](double v) { return v < 0; }));
     out_.bodies = static_cast<int>(shells_.count()) - out_.cavities;
   }
 
@@ -287,11 +309,12 @@ private:
                                           counted(crossings.pairs, "pair of facets crosses", "pairs of facets cross"),
                                           crossings.depth, at(crossings.where));
     if (!crossings.shells.empty() && !options_.accept_leaks)
-      refuse(fmt::format("bodies overlap: {} of {}; the overlap would count twice; {}", where,
-                         counted(static_cast<std::int64_t>(crossings.shells.size()), "pair of shells", "pairs of shells"),
-                         options_.repair ? fmt::format("--repair could not unite them ({}); --wrap makes one surface around them",
-                                                       failure.empty() ? "the union still crosses itself" : failure)
-                                         : "--repair unites the bodies"));
+      refuse(fmt::format(
+          "bodies overlap: {} of {}; the overlap would count twice; {}", where,
+          counted(static_cast<std::int64_t>(crossings.shells.size()), "pair of shells", "pairs of shells"),
+          options_.repair ? fmt::format("--repair could not unite them ({}); --wrap makes one surface around them",
+                                        failure.empty() ? "the union still crosses itself" : failure)
+                          : "--repair unites the bodies"));
     warn(fmt::format("the surface intersects itself: {}; the volume there may count twice; {}", where,
                      options_.repair ? "--repair could not remove it" : "--repair removes it"));
   }
@@ -300,13 +323,15 @@ private:
   bool untangle(const Crossings& crossings) {
     std::vector<std::int32_t> tangled;
     for (const auto& [s, t] : crossings.facets)
-      if (const std::int32_t shell = shells_.shell[static_cast<std::size_t>(s)]; shell == shells_.shell[static_cast<std::size_t>(t)])
+      if (const std::int32_t shell = shells_.shell[static_cast<std::size_t>(s)];
+          shell == shells_.shell[static_cast<std::size_t>(t)])
         tangled.push_back(shell);
     std::sort(tangled.begin(), tangled.end());
     tangled.erase(std::unique(tangled.begin(), tangled.end()), tangled.end());
     if (tangled.empty() || !untangle_shells(surface_, shells_, tangled)) return false;
     after_rebuild();
-    found(fmt::format("self-intersections removed from {}", counted(static_cast<std::int64_t>(tangled.size()), "shell", "shells")));
+    found(fmt::format("self-intersections removed from {}",
+                      counted(static_cast<std::int64_t>(tangled.size()), "shell", "shells")));
     return true;
   }
 
@@ -326,9 +351,11 @@ private:
     for (const auto& [a, b] : crossings.touching) {
       if (std::binary_search(crossings.shells.begin(), crossings.shells.end(), std::pair(a, b))) continue;
       const double depth = 2 * touch_tolerance * size_;
-      if (!reaches_in_and_out(surface_.mesh, shells_, a, b, depth) && !reaches_in_and_out(surface_.mesh, shells_, b, a, depth))
+      if (!reaches_in_and_out(surface_.mesh, shells_, a, b, depth) &&
+          !reaches_in_and_out(surface_.mesh, shells_, b, a, depth))
         continue;
-      crossings.shells.insert(std::upper_bound(crossings.shells.begin(), crossings.shells.end(), std::pair(a, b)), {a, b});
+      crossings.shells.insert(std::upper_bound(crossings.shells.begin(), crossings.shells.end(), std::pair(a, b)),
+                              {a, b});
     }
   }
 
@@ -344,8 +371,9 @@ private:
   PreparedSurface finish() {
     const VolumeMoments moments = volume_moments(surface_.mesh);
     if (!(moments.volume > no_volume * size_ * size_ * size_) && !options_.accept_leaks)
-      refuse(fmt::format("the surface encloses no volume ({:.3g}, the box's diagonal is {:.3g}); a closed solid is needed",
-                         moments.volume, size_));
+      refuse(
+          fmt::format("the surface encloses no volume ({:.3g}, the box's diagonal is {:.3g}); a closed solid is needed",
+                      moments.volume, size_));
     if (options_.region_angle) split_regions(surface_.mesh, *options_.region_angle);
     out_.mesh = std::move(surface_.mesh);
     return std::move(out_);
@@ -355,7 +383,7 @@ private:
   const SurfaceOptions& options_;
   Surface surface_;
   Shells shells_;
-  double size_ = 0;      ///< diagonal of the box as read, length
+  double size_ = 0; ///< diagonal of the box as read, length
   bool closed_ = false;
   PreparedSurface out_;
 };

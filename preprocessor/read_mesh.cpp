@@ -21,8 +21,7 @@ std::string read_bytes(const std::filesystem::path& file) {
   const std::string name = file.string();
   std::error_code error;
   const auto status = std::filesystem::status(file, error);
-  if (!std::filesystem::exists(status))
-    throw InputError(fmt::format("{}: no such file; check the path", name));
+  if (!std::filesystem::exists(status)) throw InputError(fmt::format("{}: no such file; check the path", name));
   if (std::filesystem::is_directory(status))
     throw InputError(fmt::format("{}: is a folder; give an STL, OBJ, PLY or OFF file", name));
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> in(std::fopen(file.c_str(), "rb"), &std::fclose);
@@ -71,8 +70,8 @@ ReadMesh read_polygon_file(std::string_view bytes, const std::string& format, co
     for (double& x : out.mesh.vertices[v]) {
       x *= scale;
       if (!std::isfinite(x))
-        throw InputError(fmt::format("{}: vertex {} (counted from 1) is not a finite position; export the part again", name,
-                                     v + 1));
+        throw InputError(
+            fmt::format("{}: vertex {} (counted from 1) is not a finite position; export the part again", name, v + 1));
     }
   return out;
 }

@@ -21,9 +21,12 @@ using Polygons = std::vector<std::vector<std::size_t>>;
 
 bool read(std::istream& in, PolygonFormat format, std::vector<Kernel::Point_3>& points, Polygons& polygons) {
   switch (format) {
-  case PolygonFormat::Obj: return CGAL::IO::read_OBJ(in, points, polygons);
-  case PolygonFormat::Ply: return CGAL::IO::read_PLY(in, points, polygons);
-  case PolygonFormat::Off: return CGAL::IO::read_OFF(in, points, polygons);
+  case PolygonFormat::Obj:
+    return CGAL::IO::read_OBJ(in, points, polygons);
+  case PolygonFormat::Ply:
+    return CGAL::IO::read_PLY(in, points, polygons);
+  case PolygonFormat::Off:
+    return CGAL::IO::read_OFF(in, points, polygons);
   }
   return false;
 }
@@ -67,7 +70,8 @@ TriangleMesh read_polygons(std::string_view bytes, PolygonFormat format, const s
   }
   if (!ok)
     throw InputError(fmt::format("{}: cannot be read as {}{}: damaged, truncated, another format, or a coordinate that "
-                                 "is not a number; export the part again", name, format_name, reason));
+                                 "is not a number; export the part again",
+                                 name, format_name, reason));
   TriangleMesh mesh;
   mesh.region_names = {"surface"};
   mesh.vertices.reserve(points.size());
@@ -75,13 +79,15 @@ TriangleMesh read_polygons(std::string_view bytes, PolygonFormat format, const s
   for (std::size_t f = 0; f < polygons.size(); ++f) {
     for (std::size_t v : polygons[f])
       if (v >= points.size())
-        throw InputError(fmt::format("{}: face {} (counted from 1) names vertex {}, the file has {}; export the part again",
-                                     name, f + 1, v + 1, points.size()));
+        throw InputError(
+            fmt::format("{}: face {} (counted from 1) names vertex {}, the file has {}; export the part again", name,
+                        f + 1, v + 1, points.size()));
     if (polygons[f].size() >= 3) append_triangles(polygons[f], points, mesh.triangles);
   }
   if (mesh.triangles.empty())
     throw InputError(fmt::format("{}: {} without any face ({} vertices); a closed surface is needed: export the part "
-                                 "again as a mesh", name, format_name, points.size()));
+                                 "again as a mesh",
+                                 name, format_name, points.size()));
   mesh.region.assign(mesh.triangles.size(), 0);
   return mesh;
 }

@@ -15,13 +15,17 @@ namespace iga::prep {
 
 namespace {
 
-constexpr std::size_t header_size = 84;  // 80 bytes of text, facet count
-constexpr std::size_t facet_size = 50;   // normal and three corners as float32, two attribute bytes
+constexpr std::size_t header_size = 84; // 80 bytes of text, facet count
+constexpr std::size_t facet_size = 50;  // normal and three corners as float32, two attribute bytes
 
 static_assert(std::endian::native == std::endian::little, "binary STL is read without swapping bytes");
 
-bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\f' || c == '\v'; }
-char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+bool is_space(char c) {
+  return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\f' || c == '\v';
+}
+char lower(char c) {
+  return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+}
 
 /// `word` is lower case.
 bool equals(std::string_view token, std::string_view word) {
@@ -31,7 +35,7 @@ bool equals(std::string_view token, std::string_view word) {
 
 /// Words of a text, with the line that the last one stood in.
 class Tokens {
-public:
+ public:
   explicit Tokens(std::string_view text) : text_(text) {}
 
   /// The next word; empty at the end.
@@ -59,7 +63,7 @@ public:
   }
   std::size_t line() const { return line_; }
 
-private:
+ private:
   void skip() {
     while (at_ < text_.size() && is_space(text_[at_])) {
       const bool bare_cr = text_[at_] == '\r' && (at_ + 1 == text_.size() || text_[at_ + 1] != '\n');
@@ -86,11 +90,13 @@ std::optional<double> number(std::string_view token) {
   return value;
 }
 
-bool finite(const Point3& p) { return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]); }
+bool finite(const Point3& p) {
+  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
+}
 
 /// Collects facets; three vertices of its own for each.
 class Builder {
-public:
+ public:
   Builder(const std::string& name, double scale) : name_(name), scale_(scale) { out_.mesh.region_names.clear(); }
 
   void reserve(std::size_t facets) {
@@ -113,7 +119,8 @@ public:
       const Point3 x{c[0] * scale_, c[1] * scale_, c[2] * scale_};
       if (!finite(x))
         throw InputError(fmt::format("{}: facet {} (counted from 1) has the vertex ({} {} {}), which is not a finite "
-                                     "position; export the part again", name_, facet + 1, c[0], c[1], c[2]));
+                                     "position; export the part again",
+                                     name_, facet + 1, c[0], c[1], c[2]));
       out_.mesh.vertices.push_back(x);
     }
     const auto v = static_cast<std::int32_t>(3 * facet);
@@ -127,7 +134,8 @@ public:
   ReadMesh finish(std::string format) {
     if (out_.mesh.triangles.empty())
       throw InputError(fmt::format("{}: {} without any facet; a closed surface needs at least four: export the part "
-                                   "again", name_, format));
+                                   "again",
+                                   name_, format));
     drop_empty_regions();
     if (odd_normals_ > 0)
       note(fmt::format("{} stored facet normals are not numbers; normals come from the vertices", odd_normals_));
@@ -135,7 +143,7 @@ public:
     return std::move(out_);
   }
 
-private:
+ private:
   void drop_empty_regions() {
     std::vector<std::int32_t> used(out_.mesh.region_names.size(), -1);
     for (std::int32_t r : out_.mesh.region) used[static_cast<std::size_t>(r)] = 0;
@@ -186,7 +194,7 @@ ReadMesh read_binary(std::string_view bytes, const std::string& name, double sca
 }
 
 class AsciiParser {
-public:
+ public:
   AsciiParser(std::string_view text, const std::string& name, double scale)
       : tokens_(text), name_(name), builder_(name, scale) {
     check_facet_limit(name, text.size() / 60);
@@ -216,7 +224,7 @@ public:
     return builder_.finish("ASCII STL");
   }
 
-private:
+ private:
   void facet() {
     Point3 normal{};
     if (equals(tokens_.peek(), "normal")) {
@@ -241,7 +249,8 @@ private:
     }
     if (equals(tokens_.peek(), "vertex"))
       throw InputError(fmt::format("{}: line {}: a facet with more than three vertices; STL knows triangles only, "
-                                   "export the part again", name_, tokens_.line()));
+                                   "export the part again",
+                                   name_, tokens_.line()));
     expect("endloop");
     expect("endfacet");
     builder_.add(normal, corners);
@@ -255,7 +264,8 @@ private:
   [[noreturn]] void fail(std::string_view found, const std::string& wanted) {
     if (found.empty())
       throw InputError(fmt::format("{}: truncated: the text ends in line {} where {} was expected; copy or export the "
-                                   "file again", name_, tokens_.line(), wanted));
+                                   "file again",
+                                   name_, tokens_.line(), wanted));
     throw InputError(fmt::format("{}: line {}: found \"{}\" where an ASCII STL has {}; export the part again", name_,
                                  tokens_.line(), found.substr(0, 40), wanted));
   }
@@ -287,19 +297,24 @@ ReadMesh read_stl(std::string_view bytes, const std::string& name, double scale)
     return AsciiParser(bytes, name, scale).parse();
   }
   if (bytes.size() < header_size)
-    throw InputError(fmt::format("{}: not an STL file: {} bytes that do not start with \"solid\", and a binary STL has at "
-                                 "least {}; give an STL, OBJ, PLY or OFF file", name, bytes.size(), header_size));
+    throw InputError(
+        fmt::format("{}: not an STL file: {} bytes that do not start with \"solid\", and a binary STL has at "
+                    "least {}; give an STL, OBJ, PLY or OFF file",
+                    name, bytes.size(), header_size));
   const std::size_t count = binary_count(bytes);
   const std::size_t expected = header_size + facet_size * count;
   if (bytes.size() < expected) {
     // A cut-off file still reads as facets with finite corners; anything else is some other format.
     const bool plausible = bytes.size() >= header_size + facet_size && expected / bytes.size() < 1000;
     if (plausible)
-      throw InputError(fmt::format("{}: truncated: the header announces {} facets ({} bytes), the file has {} bytes; copy "
-                                   "or export it again", name, count, expected, bytes.size()));
-    throw InputError(fmt::format("{}: not an STL file: no \"solid\" at its start, and read as binary its {} bytes would "
-                                 "announce {} facets ({} bytes); give an STL, OBJ, PLY or OFF file", name, bytes.size(),
-                                 count, expected));
+      throw InputError(
+          fmt::format("{}: truncated: the header announces {} facets ({} bytes), the file has {} bytes; copy "
+                      "or export it again",
+                      name, count, expected, bytes.size()));
+    throw InputError(
+        fmt::format("{}: not an STL file: no \"solid\" at its start, and read as binary its {} bytes would "
+                    "announce {} facets ({} bytes); give an STL, OBJ, PLY or OFF file",
+                    name, bytes.size(), count, expected));
   }
   return read_binary(bytes, name, scale);
 }

@@ -16,13 +16,13 @@ using Corners = std::array<Point3, 3>;
 
 struct Facet {
   Corners p;
-  Point3 normal;  ///< unit length; zero for a facet without area
+  Point3 normal; ///< unit length; zero for a facet without area
 };
 
 /// Where a triangle meets a plane: the interval along `direction`, and how far it reaches to both sides.
 struct Cut {
   double first = 0, last = 0;
-  double reach = 0;  ///< smaller of the two distances; ≤ 0 where the triangle stays on one side
+  double reach = 0; ///< smaller of the two distances; ≤ 0 where the triangle stays on one side
 };
 
 Cut cut(const Corners& p, const Point3& on_plane, const Point3& normal, const Point3& direction, const Point3& origin) {
@@ -138,7 +138,8 @@ Crossings find_crossings(const TriangleMesh& mesh, const Shells& shells, double 
         lower[d] = std::min(lower[d], x[d]);
         upper[d] = std::max(upper[d], x[d]);
       }
-    boxes.emplace_back(CGAL::Bbox_3(lower[0], lower[1], lower[2], upper[0], upper[1], upper[2]), static_cast<std::int32_t>(t));
+    boxes.emplace_back(CGAL::Bbox_3(lower[0], lower[1], lower[2], upper[0], upper[1], upper[2]),
+                       static_cast<std::int32_t>(t));
   }
   std::vector<Pair> candidates;
   CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), [&](const Box& a, const Box& b) {

@@ -24,7 +24,8 @@ std::vector<Loop> hole_loops(const TriangleMesh& mesh) {
     const std::int32_t from = balance > 0 ? uses[0].hi : uses[0].lo, to = balance > 0 ? uses[0].lo : uses[0].hi;
     for (int k = 0; k < std::abs(balance); ++k) next[static_cast<Index>(from)].push_back(to);
   }
-  // In every vertex as many edges arrive as leave, so a walk always goes on; where it meets its own path a loop is cut off.
+  // In every vertex as many edges arrive as leave, so a walk always goes on; where it meets its own path a loop is cut
+  // off.
   std::vector<Loop> loops;
   std::vector<std::int64_t> place(mesh.vertices.size(), -1);
   for (Index start = 0; start < next.size(); ++start) {
@@ -33,7 +34,7 @@ std::vector<Loop> hole_loops(const TriangleMesh& mesh) {
       place[start] = 0;
       while (!path.empty()) {
         auto& out = next[static_cast<Index>(path.back())];
-        if (out.empty()) {  // back at the start with nothing left
+        if (out.empty()) { // back at the start with nothing left
           place[static_cast<Index>(path.back())] = -1;
           path.pop_back();
           continue;
@@ -65,7 +66,7 @@ std::vector<Triangle> close_loop(const TriangleMesh& mesh, const Loop& loop, con
   std::vector<CGAL::Triple<int, int, int>> patch;
   if (loop.size() > 3) CGAL::Polygon_mesh_processing::triangulate_hole_polyline(points, std::back_inserter(patch));
   std::vector<Triangle> out;
-  if (patch.size() + 2 != loop.size()) {  // three corners, or no triangulation found: a fan closes any loop
+  if (patch.size() + 2 != loop.size()) { // three corners, or no triangulation found: a fan closes any loop
     for (Index i = 1; i + 1 < loop.size(); ++i) out.push_back({loop[0], loop[i], loop[i + 1]});
     return out;
   }

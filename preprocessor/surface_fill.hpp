@@ -7,9 +7,9 @@ namespace iga::prep {
 
 struct Filling {
   std::int64_t holes = 0;
-  std::int64_t facets = 0;  ///< added
-  double area = 0;          ///< added, length²
-  Point3 where{};           ///< a vertex of the first hole
+  std::int64_t facets = 0; ///< added
+  double area = 0;         ///< added, length²
+  Point3 where{};          ///< a vertex of the first hole
 };
 
 /// Closes every loop of unbalanced edges: CGAL's hole triangulation (Liepa, 2003: smallest dihedral angles, then area).

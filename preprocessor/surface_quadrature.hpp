@@ -7,8 +7,8 @@
 namespace iga::prep {
 
 /// Points exact to total degree 3 max(p) on every piece of the surface, positive weights; every piece and every vertex
-/// is owned by an active span: one in a grid plane or in a snapped or dropped span goes to the neighbour on the material
-/// side, its parameters clamped to that span's face. Σ weights per region = area of the region to rounding.
+/// is owned by an active span: one in a grid plane or in a snapped or dropped span goes to the neighbour on the
+/// material side, its parameters clamped to that span's face. Σ weights per region = area of the region to rounding.
 EmbeddedSurface make_embedded_surface(const SplineGrid& grid, const TriangleMesh& mesh, const Trimming& trimming);
 
 } // namespace iga::prep

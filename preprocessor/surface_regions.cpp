@@ -46,7 +46,7 @@ void split_regions(TriangleMesh& mesh, double degrees) {
   std::vector<std::int32_t> patches_of(mesh.region_names.size(), 0);
   for (Index t = 0; t < n; ++t)
     if (parent[t] == static_cast<std::int32_t>(t)) ++patches_of[static_cast<Index>(mesh.region[t])];
-  std::vector<std::int32_t> number(n, -1);  // new region of each patch, by root
+  std::vector<std::int32_t> number(n, -1); // new region of each patch, by root
   std::vector<std::string> all;
   std::vector<std::int32_t> region(n);
   // Names in the order of the old regions, patches by first facet (the root).

@@ -107,7 +107,7 @@ void balance_patches(Surface& surface, const std::vector<std::int32_t>& patch, s
     Index edge;
     int sum;
   };
-  std::vector<std::vector<Share>> shares(n);  // by patch root
+  std::vector<std::vector<Share>> shares(n); // by patch root
   std::vector<int> balance;
   for (Index e = 0; e < edges.num_edges(); ++e) {
     const auto uses = edges.edge(e);
@@ -221,7 +221,8 @@ double winding_number(const TriangleMesh& mesh, std::span<const std::int32_t> fa
   double sum = 0;
   for (std::int32_t f : facets) {
     const auto t = static_cast<Index>(f);
-    const Point3 a = vec::sub(corner(mesh, t, 0), x), b = vec::sub(corner(mesh, t, 1), x), c = vec::sub(corner(mesh, t, 2), x);
+    const Point3 a = vec::sub(corner(mesh, t, 0), x), b = vec::sub(corner(mesh, t, 1), x),
+                 c = vec::sub(corner(mesh, t, 2), x);
     const double la = vec::norm(a), lb = vec::norm(b), lc = vec::norm(c);
     const double up = vec::dot(a, vec::cross(b, c));
     const double down = la * lb * lc + vec::dot(a, b) * lc + vec::dot(c, a) * lb + vec::dot(b, c) * la;
@@ -242,7 +243,8 @@ namespace {
 /// the facets of one a little into the other.
 Point3 point_below(const TriangleMesh& mesh, const Shells& shells, Index shell, Index t, double depth) {
   const Point3& x = corner(mesh, t, 0);
-  const Point3 middle = vec::add(x, vec::mul(vec::add(vec::sub(corner(mesh, t, 1), x), vec::sub(corner(mesh, t, 2), x)), 1.0 / 3));
+  const Point3 middle =
+      vec::add(x, vec::mul(vec::add(vec::sub(corner(mesh, t, 1), x), vec::sub(corner(mesh, t, 2), x)), 1.0 / 3));
   const Point3 normal = area_vector(mesh, t);
   const double length = vec::norm(normal);
   if (length == 0) return middle;
@@ -291,7 +293,7 @@ double normal_agreement(const Surface& surface, const std::vector<std::int32_t>&
 }
 
 struct Roles {
-  std::vector<int> sign;  ///< wanted sign of each shell's volume
+  std::vector<int> sign; ///< wanted sign of each shell's volume
   std::vector<std::int32_t> doubled;
 };
 
@@ -302,9 +304,11 @@ Roles assign_roles(const std::vector<Index>& order, const std::vector<std::vecto
   for (Index s : order) {
     int winding = 0;
     for (Index outer : around[s]) winding += roles.sign[outer];
-    if (winding <= 0) continue;                                   // empty around it: a body
-    if (stored[s] < 0 || normals_disagree[s]) roles.sign[s] = -1;  // in material, facing inwards: a cavity
-    else roles.doubled.push_back(static_cast<std::int32_t>(s));
+    if (winding <= 0) continue; // empty around it: a body
+    if (stored[s] < 0 || normals_disagree[s])
+      roles.sign[s] = -1; // in material, facing inwards: a cavity
+    else
+      roles.doubled.push_back(static_cast<std::int32_t>(s));
   }
   return roles;
 }
@@ -334,7 +338,8 @@ Nesting orient_shells(Surface& surface, Shells& shells, double depth) {
     for (Index o = 0; o < n; ++o) {
       const double slack = 1e-9 * diagonal(shells.box[o]);
       if (o == s || std::abs(shells.volume[o]) <= std::abs(shells.volume[s])) continue;
-      if (box_contains(shells.box[o], shells.box[s], slack) && lies_inside(mesh, shells, s, o, depth)) around[s].push_back(o);
+      if (box_contains(shells.box[o], shells.box[s], slack) && lies_inside(mesh, shells, s, o, depth))
+        around[s].push_back(o);
     }
   });
   std::vector<Index> order(n);

@@ -8,22 +8,22 @@
 namespace iga::prep {
 
 struct Orienting {
-  std::int64_t turned = 0;    ///< facets turned to agree with the majority of their patch
-  bool orientable = true;     ///< false for a one-sided surface (a Möbius strip among the facets)
-  Point3 where{};             ///< a facet where the outside cannot be decided
+  std::int64_t turned = 0; ///< facets turned to agree with the majority of their patch
+  bool orientable = true;  ///< false for a one-sided surface (a Möbius strip among the facets)
+  Point3 where{};          ///< a facet where the outside cannot be decided
 };
 
-/// Makes neighbours across two-facet edges agree; in each patch the majority keeps its order. Patches that meet at edges
-/// of more facets are turned as wholes where that balances those edges. A closed chain is left alone.
+/// Makes neighbours across two-facet edges agree; in each patch the majority keeps its order. Patches that meet at
+/// edges of more facets are turned as wholes where that balances those edges. A closed chain is left alone.
 Orienting orient_facets(Surface& surface);
 
 /// Edge-connected parts of the surface; patches that are closed on their own count separately even where they touch.
 struct Shells {
-  std::vector<std::int32_t> shell;  ///< (n_t); numbered by first facet
-  std::vector<double> volume;       ///< (num_shells); signed, length³
-  std::vector<double> area;         ///< (num_shells); length²
-  std::vector<Box3> box;            ///< (num_shells)
-  std::vector<std::vector<std::int32_t>> facets;  ///< per shell, ascending
+  std::vector<std::int32_t> shell;               ///< (n_t); numbered by first facet
+  std::vector<double> volume;                    ///< (num_shells); signed, length³
+  std::vector<double> area;                      ///< (num_shells); length²
+  std::vector<Box3> box;                         ///< (num_shells)
+  std::vector<std::vector<std::int32_t>> facets; ///< per shell, ascending
 
   std::size_t count() const { return volume.size(); }
 };
@@ -46,9 +46,9 @@ bool reaches_in_and_out(const TriangleMesh& mesh, const Shells& shells, std::int
 struct Nesting {
   int bodies = 0;
   int cavities = 0;
-  std::vector<std::int32_t> turned;    ///< shells turned round
-  bool whole_turned = false;           ///< every shell was turned: the part came inside out
-  std::vector<std::int32_t> doubled;   ///< shells inside another body that face outwards: counted twice
+  std::vector<std::int32_t> turned;  ///< shells turned round
+  bool whole_turned = false;         ///< every shell was turned: the part came inside out
+  std::vector<std::int32_t> doubled; ///< shells inside another body that face outwards: counted twice
 };
 /// @param depth  how far below its facets a shell is asked where it lies, length; more than touching bodies overlap
 Nesting orient_shells(Surface& surface, Shells& shells, double depth);

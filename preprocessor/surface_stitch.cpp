@@ -15,7 +15,7 @@ using Index = std::size_t;
 
 /// Vertices that were joined, with the facets around each cluster and the middle of its members.
 class Clusters {
-public:
+ public:
   explicit Clusters(const TriangleMesh& mesh)
       : triangles_(mesh.triangles), parent_(mesh.vertices.size()), count_(mesh.vertices.size(), 1), sum_(mesh.vertices),
         facets_(mesh.vertices.size()) {
@@ -60,7 +60,7 @@ public:
   bool is_joined(std::int32_t root) const { return count_[static_cast<Index>(root)] > 1; }
   std::int64_t joined() const { return joined_; }
 
-private:
+ private:
   std::vector<Triangle> triangles_;
   std::vector<std::int32_t> parent_;
   std::vector<int> count_;
@@ -93,7 +93,7 @@ std::vector<OpenEdge> open_edges(const TriangleMesh& mesh) {
 struct Match {
   double gap;
   Index first, second;
-  bool opposite;  ///< the edges run in opposite directions, as neighbours do
+  bool opposite; ///< the edges run in opposite directions, as neighbours do
 };
 
 using Cell = std::array<std::int64_t, 3>;
@@ -106,7 +106,8 @@ struct CellHash {
   }
 };
 
-std::vector<Match> find_matches(const TriangleMesh& mesh, const std::vector<OpenEdge>& edges, double gap, double max_ratio) {
+std::vector<Match> find_matches(const TriangleMesh& mesh, const std::vector<OpenEdge>& edges, double gap,
+                                double max_ratio) {
   const Point3 base = bounding_box(mesh).lower;
   std::unordered_map<Cell, std::vector<Index>, CellHash> cells;
   const auto apart = [&](std::int32_t a, std::int32_t b) {
@@ -130,8 +131,9 @@ std::vector<Match> find_matches(const TriangleMesh& mesh, const std::vector<Open
         }
     cells[cell].push_back(e);
   }
-  std::sort(out.begin(), out.end(),
-            [](const Match& a, const Match& b) { return std::tie(a.gap, a.first, a.second) < std::tie(b.gap, b.first, b.second); });
+  std::sort(out.begin(), out.end(), [](const Match& a, const Match& b) {
+    return std::tie(a.gap, a.first, a.second) < std::tie(b.gap, b.first, b.second);
+  });
   return out;
 }
 

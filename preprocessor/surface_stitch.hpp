@@ -6,8 +6,8 @@
 namespace iga::prep {
 
 struct Stitching {
-  std::int64_t joined = 0;   ///< vertices that went
-  double widest = 0;         ///< widest gap closed, length
+  std::int64_t joined = 0; ///< vertices that went
+  double widest = 0;       ///< widest gap closed, length
 };
 
 /// Pairs open edges whose ends lie within a gap of each other, narrowest pairs first, with a gap that grows from

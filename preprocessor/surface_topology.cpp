@@ -2,32 +2,48 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <tuple>
 #include <utility>
 
 namespace iga::prep {
 
 namespace vec {
-double norm(const Point3& a) { return std::sqrt(dot(a, a)); }
+double norm(const Point3& a) {
+  return std::sqrt(dot(a, a));
+}
 } // namespace vec
 
 EdgeTable make_edge_table(std::span<const Triangle> triangles) {
-  EdgeTable table;
-  table.uses.reserve(3 * triangles.size());
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    const Triangle& v = triangles[t];
-    if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0]) continue;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const std::int32_t a = v[i], b = v[(i + 1) % 3];
-      table.uses.push_back({std::min(a, b), std::max(a, b), static_cast<std::int32_t>(t), a < b});
+  // Counting sort by the smaller vertex; the short rows are sorted by the larger one. Triangles come in order.
+  std::int32_t last = -1;
+  for (const Triangle& v : triangles) last = std::max({last, v[0], v[1], v[2]});
+  std::vector<std::size_t> row(static_cast<std::size_t>(last) + 2, 0);
+  const auto each_use = [&](auto&& visit) {
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+      const Triangle& v = triangles[t];
+      if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0]) continue;
+      for (std::size_t i = 0; i < 3; ++i) {
+        const std::int32_t a = v[i], b = v[(i + 1) % 3];
+        visit(EdgeUse{std::min(a, b), std::max(a, b), static_cast<std::int32_t>(t), a < b});
+      }
     }
+  };
+  each_use([&](const EdgeUse& u) { ++row[static_cast<std::size_t>(u.lo) + 1]; });
+  std::partial_sum(row.begin(), row.end(), row.begin());
+  EdgeTable table;
+  table.uses.resize(row.back());
+  std::vector<std::size_t> next(row.begin(), row.end() - 1);
+  each_use([&](const EdgeUse& u) { table.uses[next[static_cast<std::size_t>(u.lo)]++] = u; });
+  for (std::size_t v = 0; v + 1 < row.size(); ++v) {
+    const auto first = table.uses.begin() + static_cast<std::ptrdiff_t>(row[v]);
+    const auto end = table.uses.begin() + static_cast<std::ptrdiff_t>(row[v + 1]);
+    std::sort(first, end, [](const EdgeUse& a, const EdgeUse& b) {
+      return std::tie(a.hi, a.triangle) < std::tie(b.hi, b.triangle);
+    });
+    for (auto u = first; u != end; ++u)
+      if (u == first || u->hi != (u - 1)->hi) table.offsets.push_back(static_cast<std::size_t>(u - table.uses.begin()));
   }
-  std::sort(table.uses.begin(), table.uses.end(), [](const EdgeUse& a, const EdgeUse& b) {
-    return std::tie(a.lo, a.hi, a.triangle) < std::tie(b.lo, b.hi, b.triangle);
-  });
-  for (std::size_t i = 0; i < table.uses.size(); ++i)
-    if (i == 0 || table.uses[i].lo != table.uses[i - 1].lo || table.uses[i].hi != table.uses[i - 1].hi)
-      table.offsets.push_back(i);
   table.offsets.push_back(table.uses.size());
   return table;
 }
@@ -94,7 +110,9 @@ void turn_triangle(Surface& surface, std::size_t t) {
   std::swap(surface.mesh.triangles[t][1], surface.mesh.triangles[t][2]);
 }
 
-double diagonal(const Box3& box) { return vec::norm(vec::sub(box.upper, box.lower)); }
+double diagonal(const Box3& box) {
+  return vec::norm(vec::sub(box.upper, box.lower));
+}
 
 Point3 area_vector(const TriangleMesh& mesh, std::size_t t) {
   const Point3& a = corner(mesh, t, 0);

@@ -12,7 +12,7 @@ namespace iga::prep {
 /// A mesh under repair. Facets keep their order in the file; a facet made by a repair has no stored normal.
 struct Surface {
   TriangleMesh mesh;
-  std::vector<Point3> normals;  ///< (n_t); as stored in the file, zero where unknown
+  std::vector<Point3> normals; ///< (n_t); as stored in the file, zero where unknown
 };
 
 /// One side of a facet: the edge between vertices lo < hi, walked from lo to hi or back.
@@ -26,7 +26,7 @@ struct EdgeUse {
 /// All edges with their uses, ordered by (lo, hi, triangle). Facets with a repeated vertex add no uses.
 struct EdgeTable {
   std::vector<EdgeUse> uses;
-  std::vector<std::size_t> offsets;  ///< (num_edges + 1)
+  std::vector<std::size_t> offsets; ///< (num_edges + 1)
 
   std::size_t num_edges() const { return offsets.size() - 1; }
   std::span<const EdgeUse> edge(std::size_t e) const {
@@ -42,10 +42,10 @@ int edge_balance(std::span<const EdgeUse> uses);
 
 /// What is wrong along the edges.
 struct EdgeDefects {
-  std::int64_t open = 0;          ///< an odd number of facets: the surface ends here
-  std::int64_t non_manifold = 0;  ///< more than two facets
-  std::int64_t turned = 0;        ///< an even number of facets that do not cancel: neighbours disagree about the outside
-  Point3 first_open{};            ///< middle of the first open edge, length
+  std::int64_t open = 0;         ///< an odd number of facets: the surface ends here
+  std::int64_t non_manifold = 0; ///< more than two facets
+  std::int64_t turned = 0;       ///< an even number of facets that do not cancel: neighbours disagree about the outside
+  Point3 first_open{};           ///< middle of the first open edge, length
   Point3 first_turned{};
 };
 EdgeDefects find_edge_defects(const TriangleMesh& mesh, const EdgeTable& edges);
@@ -63,10 +63,18 @@ void turn_triangle(Surface& surface, std::size_t t);
 double diagonal(const Box3& box);
 
 namespace vec {
-inline Point3 sub(const Point3& a, const Point3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-inline Point3 add(const Point3& a, const Point3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
-inline Point3 mul(const Point3& a, double s) { return {a[0] * s, a[1] * s, a[2] * s}; }
-inline double dot(const Point3& a, const Point3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+inline Point3 sub(const Point3& a, const Point3& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+inline Point3 add(const Point3& a, const Point3& b) {
+  return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
+}
+inline Point3 mul(const Point3& a, double s) {
+  return {a[0] * s, a[1] * s, a[2] * s};
+}
+inline double dot(const Point3& a, const Point3& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 inline Point3 cross(const Point3& a, const Point3& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }

@@ -73,8 +73,8 @@ Uniting unite_bodies(Surface& surface, const Shells& shells,
       ExactMesh sum;
       regions_of(sum);
       try {
-        if (!pmp::corefine_and_compute_union(whole, body, sum,
-                                             CGAL::parameters::visitor(RegionKeeper{}).throw_on_self_intersection(true))) {
+        if (!pmp::corefine_and_compute_union(
+                whole, body, sum, CGAL::parameters::visitor(RegionKeeper{}).throw_on_self_intersection(true))) {
           out.failure = "the union would not be a manifold solid";
           return out;
         }

@@ -9,9 +9,9 @@
 namespace iga::prep {
 
 struct Uniting {
-  std::int64_t bodies = 0;    ///< bodies that went into unions
-  std::int64_t unions = 0;    ///< bodies that came out
-  std::string failure;        ///< why the union failed; empty on success
+  std::int64_t bodies = 0; ///< bodies that went into unions
+  std::int64_t unions = 0; ///< bodies that came out
+  std::string failure;     ///< why the union failed; empty on success
 };
 
 /// Replaces bodies that cross each other by their union, with exact arithmetic (CGAL's corefinement); other bodies are

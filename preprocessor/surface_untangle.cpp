@@ -17,8 +17,8 @@ using Index = std::size_t;
 
 /// Facets on the same three vertices: one stands for all, with the winding number's jump across it.
 struct Sheet {
-  Index facet = 0;                   ///< its outside is where the facet's normal points
-  int jump = 0;                      ///< inside less outside, > 0
+  Index facet = 0; ///< its outside is where the facet's normal points
+  int jump = 0;    ///< inside less outside, > 0
   std::vector<std::int32_t> members;
 };
 
@@ -39,13 +39,15 @@ std::vector<Sheet> make_sheets(const TriangleMesh& mesh) {
     const auto up = std::count_if(members.begin(), members.end(), runs_up);
     const auto jump = 2 * up - static_cast<std::ptrdiff_t>(members.size());
     if (jump == 0) continue;
-    const auto one = std::find_if(members.begin(), members.end(), [&](std::int32_t f) { return runs_up(f) == (jump > 0); });
+    const auto one =
+        std::find_if(members.begin(), members.end(), [&](std::int32_t f) { return runs_up(f) == (jump > 0); });
     out.push_back({static_cast<Index>(*one), static_cast<int>(std::abs(jump)), members});
   }
   return out;
 }
 
-/// Whether the sheet parts winding number ≤ 0 from ≥ 1. On the sheet the others' solid angles sum to the mean of both sides.
+/// Whether the sheet parts winding number ≤ 0 from ≥ 1. On the sheet the others' solid angles sum to the mean of both
+/// sides.
 bool is_boundary(const TriangleMesh& mesh, const std::vector<std::int32_t>& all, const Sheet& sheet) {
   std::vector<std::int32_t> others;
   others.reserve(all.size());
@@ -122,7 +124,8 @@ bool untangle_shells(Surface& surface, const Shells& shells, std::span<const std
   for (const Surface& piece : pieces) {
     const auto offset = static_cast<std::int32_t>(result.mesh.vertices.size());
     result.mesh.vertices.insert(result.mesh.vertices.end(), piece.mesh.vertices.begin(), piece.mesh.vertices.end());
-    for (const Triangle& t : piece.mesh.triangles) result.mesh.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
+    for (const Triangle& t : piece.mesh.triangles)
+      result.mesh.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
     result.mesh.region.insert(result.mesh.region.end(), piece.mesh.region.begin(), piece.mesh.region.end());
     result.normals.insert(result.normals.end(), piece.normals.begin(), piece.normals.end());
   }

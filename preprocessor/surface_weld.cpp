@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <numeric>
 #include <unordered_map>
@@ -62,19 +63,27 @@ struct CellHash {
 };
 
 /// Union-find over `candidates` within `tolerance`; the smallest number of a cluster is its root.
-std::vector<std::int32_t> near_roots(const TriangleMesh& mesh, const std::vector<std::int32_t>& candidates, double tolerance) {
+std::vector<std::int32_t> near_roots(const TriangleMesh& mesh, const std::vector<std::int32_t>& candidates,
+                                     double tolerance) {
   std::vector<std::int32_t> parent(mesh.vertices.size());
   std::iota(parent.begin(), parent.end(), 0);
   const Point3 base = bounding_box(mesh).lower;
+  const double width = 8 * tolerance; // wide cells: the ball rarely reaches a neighbour
   std::unordered_map<Cell, std::vector<std::int32_t>, CellHash> cells;
+  cells.reserve(candidates.size());
   for (std::int32_t v : candidates) {
     const Point3& x = mesh.vertices[static_cast<Index>(v)];
-    Cell cell{};
-    for (Index d = 0; d < 3; ++d) cell[d] = static_cast<std::int64_t>(std::floor((x[d] - base[d]) / tolerance));
-    for (std::int64_t i = -1; i <= 1; ++i)
-      for (std::int64_t j = -1; j <= 1; ++j)
-        for (std::int64_t k = -1; k <= 1; ++k) {
-          const auto found = cells.find({cell[0] + i, cell[1] + j, cell[2] + k});
+    Cell cell{}, low{}, high{};
+    for (Index d = 0; d < 3; ++d) {
+      const double at = (x[d] - base[d]) / width;
+      cell[d] = static_cast<std::int64_t>(std::floor(at));
+      low[d] = static_cast<std::int64_t>(std::floor(at - tolerance / width));
+      high[d] = static_cast<std::int64_t>(std::floor(at + tolerance / width));
+    }
+    for (std::int64_t i = low[0]; i <= high[0]; ++i)
+      for (std::int64_t j = low[1]; j <= high[1]; ++j)
+        for (std::int64_t k = low[2]; k <= high[2]; ++k) {
+          const auto found = cells.find({i, j, k});
           if (found == cells.end()) continue;
           for (std::int32_t w : found->second) {
             if (vec::norm(vec::sub(mesh.vertices[static_cast<Index>(w)], x)) > tolerance) continue;
@@ -87,26 +96,31 @@ std::vector<std::int32_t> near_roots(const TriangleMesh& mesh, const std::vector
   return parent;
 }
 
-bool collapsed(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
+bool collapsed(const Triangle& t) {
+  return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
+}
 
 } // namespace
 
 std::int64_t weld_equal_vertices(Surface& surface) {
   TriangleMesh& mesh = surface.mesh;
   for (Point3& x : mesh.vertices)
-    for (double& c : x) c += 0.0;  // −0 + 0 = 0
-  std::vector<std::int32_t> order(mesh.vertices.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) {
-    const Point3& x = mesh.vertices[static_cast<Index>(a)];
-    const Point3& y = mesh.vertices[static_cast<Index>(b)];
-    return x != y ? x < y : a < b;
-  });
+    for (double& c : x) c += 0.0; // −0 + 0 = 0
+  // Open addressing over the coordinates' bits; the first vertex at a position is the root.
+  const Index capacity = std::bit_ceil(2 * mesh.vertices.size() + 2);
+  std::vector<std::int32_t> slots(capacity, -1);
   std::vector<std::int32_t> parent(mesh.vertices.size());
-  for (Index i = 0; i < order.size(); ++i) {
-    const auto v = static_cast<Index>(order[i]);
-    const bool same = i > 0 && mesh.vertices[v] == mesh.vertices[static_cast<Index>(order[i - 1])];
-    parent[v] = same ? parent[static_cast<Index>(order[i - 1])] : order[i];
+  for (Index v = 0; v < parent.size(); ++v) {
+    std::uint64_t hash = 0;
+    for (double c : mesh.vertices[v]) {
+      hash = (hash ^ std::bit_cast<std::uint64_t>(c)) * 0x9E3779B97F4A7C15ULL;
+      hash ^= hash >> 32;
+    }
+    Index slot = static_cast<Index>(hash) & (capacity - 1);
+    while (slots[slot] >= 0 && mesh.vertices[static_cast<Index>(slots[slot])] != mesh.vertices[v])
+      slot = (slot + 1) & (capacity - 1);
+    if (slots[slot] < 0) slots[slot] = static_cast<std::int32_t>(v);
+    parent[v] = slots[slot];
   }
   const std::int64_t joined = apply_roots(surface, parent);
   keep_triangles(surface, std::vector<bool>(mesh.triangles.size(), true));
@@ -154,7 +168,7 @@ namespace {
 
 /// Facets on one vertex triple, parted by orientation.
 struct Twins {
-  std::vector<Index> even, odd;  ///< facets whose vertex order is an even or odd permutation of the sorted triple
+  std::vector<Index> even, odd; ///< facets whose vertex order is an even or odd permutation of the sorted triple
 };
 
 bool is_even(const Triangle& t) {
@@ -164,7 +178,7 @@ bool is_even(const Triangle& t) {
 
 /// Balance of every directed edge, looked up by its ends.
 class Balances {
-public:
+ public:
   explicit Balances(const EdgeTable& edges) {
     for (Index e = 0; e < edges.num_edges(); ++e) {
       const auto uses = edges.edge(e);
@@ -188,10 +202,11 @@ public:
     }
   }
 
-private:
+ private:
   Index find(std::int32_t a, std::int32_t b) const {
     const std::pair<std::int32_t, std::int32_t> key{std::min(a, b), std::max(a, b)};
-    const auto at = std::lower_bound(sums_.begin(), sums_.end(), key, [](const auto& s, const auto& k) { return s.first < k; });
+    const auto at =
+        std::lower_bound(sums_.begin(), sums_.end(), key, [](const auto& s, const auto& k) { return s.first < k; });
     return static_cast<Index>(at - sums_.begin());
   }
   std::vector<std::pair<std::pair<std::int32_t, std::int32_t>, int>> sums_;
@@ -214,7 +229,8 @@ DuplicateFacets drop_duplicate_facets(Surface& surface) {
     while (j < sorted.size() && sorted[j].first == sorted[i].first) ++j;
     if (j - i > 1) {
       Twins twins;
-      for (Index k = i; k < j; ++k) (is_even(triangles[sorted[k].second]) ? twins.even : twins.odd).push_back(sorted[k].second);
+      for (Index k = i; k < j; ++k)
+        (is_even(triangles[sorted[k].second]) ? twins.even : twins.odd).push_back(sorted[k].second);
       groups.push_back(std::move(twins));
     }
     i = j;

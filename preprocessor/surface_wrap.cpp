@@ -30,7 +30,7 @@ TriangleMesh wrap_surface(const TriangleMesh& mesh, double alpha, double offset)
   }
   std::vector<std::array<std::size_t, 3>> faces;
   Facets facets;
-  std::vector<Index> number;  // mesh facet of each entry; CGAL's tree takes none without area
+  std::vector<Index> number; // mesh facet of each entry; CGAL's tree takes none without area
   for (Index t = 0; t < mesh.triangles.size(); ++t) {
     std::array<std::size_t, 3> v{};
     for (Index i = 0; i < 3; ++i) v[i] = static_cast<std::size_t>(mesh.triangles[t][i]);

@@ -15,7 +15,7 @@ namespace iga::io {
 namespace {
 
 class Digest {
-public:
+ public:
   Digest() : context_(EVP_MD_CTX_new(), &EVP_MD_CTX_free) {
     require(context_ != nullptr && EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) == 1);
   }
@@ -29,7 +29,7 @@ public:
     return text;
   }
 
-private:
+ private:
   static void require(bool ok) {
     if (!ok) throw std::runtime_error("SHA-256 is not available in this OpenSSL library");
   }
@@ -44,7 +44,9 @@ std::string sha256_bytes(const void* data, std::size_t size) {
   return digest.hex();
 }
 
-std::string sha256_text(std::string_view text) { return sha256_bytes(text.data(), text.size()); }
+std::string sha256_text(std::string_view text) {
+  return sha256_bytes(text.data(), text.size());
+}
 
 std::string sha256_file(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);

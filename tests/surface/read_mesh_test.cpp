@@ -16,7 +16,7 @@ namespace iga::prep {
 namespace {
 
 class ReadMeshTest : public ::testing::Test {
-protected:
+ protected:
   ReadMeshTest() {
     folder_ = std::filesystem::temp_directory_path() /
               fmt::format("iga_read_{}_{}", getpid(), ::testing::UnitTest::GetInstance()->current_test_info()->name());
@@ -111,9 +111,10 @@ TEST_F(ReadMeshTest, NamesSolidsUniquely) {
 }
 
 TEST_F(ReadMeshTest, AcceptsMissingAndOddNormalsAndPlusSigns) {
-  const ReadMesh mesh = read_mesh(write("a.stl", "SOLID\nfacet\nouter loop\nVERTEX +0 0 0\nvertex 1.E0 0 0\nvertex 0 1e+0 -0\n"
-                                                 "endloop endfacet facet normal nan -nan(ind) 1\nouter loop vertex 0 0 0 "
-                                                 "vertex 1 0 0 vertex 0 0 1 endloop endfacet endsolid"));
+  const ReadMesh mesh =
+      read_mesh(write("a.stl", "SOLID\nfacet\nouter loop\nVERTEX +0 0 0\nvertex 1.E0 0 0\nvertex 0 1e+0 -0\n"
+                               "endloop endfacet facet normal nan -nan(ind) 1\nouter loop vertex 0 0 0 "
+                               "vertex 1 0 0 vertex 0 0 1 endloop endfacet endsolid"));
   EXPECT_EQ(mesh.mesh.triangles.size(), 2U);
   EXPECT_EQ(mesh.mesh.vertices[1], (Point3{1, 0, 0}));
   EXPECT_EQ(mesh.facet_normals[1], Point3{});
@@ -140,16 +141,20 @@ TEST_F(ReadMeshTest, RefusesBadFilesWithTheirNameAndReason) {
   expect_refused(write("ascii_nothing.stl", "solid a\nendsolid a\n"), "without any facet");
   const std::string text = ascii_stl(cube, "a");
   expect_refused(write("ascii_cut.stl", text.substr(0, text.find("vertex", 400) + 9)), "truncated");
-  expect_refused(write("word.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 zero 0\n"), "line 4: found \"zero\"");
-  expect_refused(write("nan.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 nan 0\nvertex 1 0 0\nvertex 0 1 0\n"
-                                  "endloop\nendfacet\nendsolid"), "facet 1");
+  expect_refused(write("word.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 zero 0\n"),
+                 "line 4: found \"zero\"");
+  expect_refused(write("nan.stl",
+                       "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 nan 0\nvertex 1 0 0\nvertex 0 1 0\n"
+                       "endloop\nendfacet\nendsolid"),
+                 "facet 1");
   test::Soup infinite = cube;
   infinite[4][1][2] = std::numeric_limits<double>::infinity();
   expect_refused(write("inf.stl", binary_stl(infinite)), "facet 5");
 }
 
-const char* const obj = "# cube\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1.0000000000000002\n"
-                        "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+const char* const obj =
+    "# cube\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1.0000000000000002\n"
+    "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
 
 TEST_F(ReadMeshTest, ReadsObjPlyAndOffInFullPrecision) {
   const ReadMesh from_obj = read_mesh(write("a.obj", obj));
@@ -158,14 +163,17 @@ TEST_F(ReadMeshTest, ReadsObjPlyAndOffInFullPrecision) {
   EXPECT_EQ(from_obj.mesh.vertices[7][2], 1.0000000000000002);
   EXPECT_NEAR(volume_moments(from_obj.mesh).volume, 1, 1e-15);
 
-  const std::string tetrahedron = "1e4 0 0\n10001.000000000002 0 0\n1e4 1 0\n1e4 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+  const std::string tetrahedron =
+      "1e4 0 0\n10001.000000000002 0 0\n1e4 1 0\n1e4 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
   const ReadMesh from_off = read_mesh(write("a.off", "OFF\n4 4 0\n" + tetrahedron));
   EXPECT_EQ(from_off.format, "OFF");
   EXPECT_EQ(from_off.mesh.vertices[1][0], 10001.000000000002);
   EXPECT_NEAR(volume_moments(from_off.mesh).volume, 1.0 / 6, 1e-12);
-  const ReadMesh from_ply = read_mesh(write("a.ply", "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\n"
-                                                     "property double z\nelement face 4\nproperty list uchar int vertex_indices\n"
-                                                     "end_header\n" + tetrahedron));
+  const ReadMesh from_ply =
+      read_mesh(write("a.ply", "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\n"
+                               "property double z\nelement face 4\nproperty list uchar int vertex_indices\n"
+                               "end_header\n" +
+                                   tetrahedron));
   EXPECT_EQ(from_ply.format, "PLY");
   EXPECT_EQ(from_ply.mesh.vertices[1][0], 10001.000000000002);
   EXPECT_EQ(from_ply.mesh.triangles.size(), 4U);

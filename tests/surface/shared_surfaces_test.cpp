@@ -9,7 +9,9 @@
 namespace iga::prep {
 namespace {
 
-std::filesystem::path stl_folder() { return std::filesystem::path(IGA_SHARED_DIR) / "stl"; }
+std::filesystem::path stl_folder() {
+  return std::filesystem::path(IGA_SHARED_DIR) / "stl";
+}
 
 double volume_of(const std::filesystem::path& file, const SurfaceOptions& options = {}) {
   const PreparedSurface out = prepare_surface(read_mesh(file), options);
@@ -45,7 +47,7 @@ TEST(SharedSurfaces, ValidPartsKeepTheirShape) {
 struct Flawed {
   const char* file;
   bool needs_repair;
-  const char* undamaged;  ///< file whose volume counts; null: `volume`
+  const char* undamaged; ///< file whose volume counts; null: `volume`
   double volume;
   double tolerance = 1e-3;
 };
@@ -85,10 +87,10 @@ INSTANTIATE_TEST_SUITE_P(
                       // Closed chains as they are: the volumes by the divergence theorem over all facets.
                       Flawed{"display_faceplate_nonmanifold.stl", false, nullptr, 8441.9062, 1e-6},
                       Flawed{"z_motor_mount_nonmanifold.stl", false, nullptr, 9280.8613, 1e-6}),
-    [](const auto& info) {
-      std::string name = info.param.file;
-      for (char& c : name)
-        if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
+    [](const auto& c) {
+      std::string name = c.param.file;
+      for (char& letter : name)
+        if (!std::isalnum(static_cast<unsigned char>(letter))) letter = '_';
       return name;
     });
 
