@@ -8,24 +8,25 @@
 namespace iga::prep {
 
 struct SurfaceOptions {
-  bool repair = false;                    ///< allow changes of shape: fill holes, resolve self-intersections, union of bodies
-  bool wrap = false;                      ///< last resort: CGAL's alpha wrapping
-  std::optional<double> wrap_alpha;       ///< length; default: diagonal / 200
-  std::optional<double> wrap_offset;      ///< length; default: alpha / 30
-  std::optional<double> region_angle;     ///< degrees; split regions at sharper edges into numbered regions
-  bool accept_leaks = false;              ///< keep going with a surface that is not closed
+  bool repair = false;              ///< allow changes of shape: fill holes, resolve self-intersections, union of bodies
+  bool wrap = false;                ///< last resort: CGAL's alpha wrapping
+  std::optional<double> wrap_alpha; ///< length; default: diagonal / 200
+  std::optional<double> wrap_offset;  ///< length; default: alpha / 30
+  std::optional<double> region_angle; ///< degrees; split regions at sharper edges into numbered regions
+  bool accept_leaks = false;          ///< keep going with a surface that is not closed
 };
 
 struct PreparedSurface {
-  TriangleMesh mesh;                      ///< welded, closed, outward-oriented; regions kept
-  int bodies = 0;                         ///< mechanically separate outer shells
-  int cavities = 0;                       ///< inner shells
-  bool shape_changed = false;             ///< repair or wrapping changed the shape
-  std::vector<std::string> findings;      ///< what was found and what was done, one sentence each
-  std::vector<std::string> warnings;      ///< what the user should know but need not mend
+  TriangleMesh mesh;                 ///< welded, closed, outward-oriented; regions kept
+  int bodies = 0;                    ///< mechanically separate outer shells
+  int cavities = 0;                  ///< inner shells
+  bool shape_changed = false;        ///< repair or wrapping changed the shape
+  std::vector<std::string> findings; ///< what was found and what was done, one sentence each
+  std::vector<std::string> warnings; ///< what the user should know but need not mend
 };
 
-/// @throws InputError when the surface cannot be trimmed; the message says what was found, where, and which option mends it
+/// @throws InputError when the surface cannot be trimmed; the message says what was found, where, and which option
+/// mends it
 PreparedSurface prepare_surface(ReadMesh input, const SurfaceOptions& options);
 
 } // namespace iga::prep

@@ -10,11 +10,12 @@
 namespace iga::prep {
 
 struct ReadMesh {
-  TriangleMesh mesh;                    ///< as read (STL: three own vertices per facet); length, scaled
-  std::vector<Point3> facet_normals;    ///< (n_t) as stored in an STL, zero where missing or NaN; empty for other formats
-  std::string format;                   ///< "binary STL", "ASCII STL", "OBJ", "PLY", "OFF"
-  std::string sha256;                   ///< of the file's bytes
-  std::vector<std::string> notes;       ///< oddities that were tolerated, one sentence each
+  TriangleMesh mesh;                 ///< as read (STL: three own vertices per facet); length, scaled
+  std::vector<Point3> facet_normals; ///< (n_t) as stored in an STL, zero where missing or NaN; empty for other formats
+  std::string format;                ///< "binary STL", "ASCII STL", "OBJ", "PLY", "OFF"
+  std::string file;                  ///< as given; messages of later stages start with it
+  std::string sha256;                ///< of the file's bytes
+  std::vector<std::string> notes;    ///< oddities that were tolerated, one sentence each
 };
 
 /// @param scale  factor on all coordinates, > 0

@@ -3,12 +3,11 @@
 #include "format/model/errors.hpp"
 
 #include <array>
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
 #include <fmt/format.h>
+#include <fstream>
 #include <memory>
 #include <openssl/evp.h>
+#include <stdexcept>
 #include <vector>
 
 namespace iga::io {
@@ -17,40 +16,48 @@ namespace {
 
 class Digest {
  public:
-  Digest() : context_(EVP_MD_CTX_new(), EVP_MD_CTX_free) {
-    if (!context_ || EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) != 1)
-      throw std::runtime_error("libcrypto offers no SHA-256");
+  Digest() : context_(EVP_MD_CTX_new(), &EVP_MD_CTX_free) {
+    require(context_ != nullptr && EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) == 1);
   }
-  void add(const void* data, std::size_t size) { EVP_DigestUpdate(context_.get(), data, size); }
+  void add(const void* data, std::size_t size) { require(EVP_DigestUpdate(context_.get(), data, size) == 1); }
   std::string hex() {
     std::array<unsigned char, EVP_MAX_MD_SIZE> bytes{};
     unsigned int size = 0;
-    EVP_DigestFinal_ex(context_.get(), bytes.data(), &size);
+    require(EVP_DigestFinal_ex(context_.get(), bytes.data(), &size) == 1);
     std::string text;
     for (unsigned int i = 0; i < size; ++i) text += fmt::format("{:02x}", bytes[i]);
     return text;
   }
 
  private:
-  std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)> context_;
+  static void require(bool ok) {
+    if (!ok) throw std::runtime_error("SHA-256 is not available in this OpenSSL library");
+  }
+  std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_;
 };
 
 } // namespace
 
-std::string sha256_file(const std::filesystem::path& path) {
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
-  if (!file) throw InputError(fmt::format("{}: cannot be opened: {}", path.string(), std::strerror(errno)));
+std::string sha256_bytes(const void* data, std::size_t size) {
   Digest digest;
-  std::vector<char> buffer(1 << 20);
-  while (const std::size_t n = std::fread(buffer.data(), 1, buffer.size(), file.get())) digest.add(buffer.data(), n);
-  if (std::ferror(file.get()))
-    throw InputError(fmt::format("{}: cannot be read: {}", path.string(), std::strerror(errno)));
+  digest.add(data, size);
   return digest.hex();
 }
 
 std::string sha256_text(std::string_view text) {
+  return sha256_bytes(text.data(), text.size());
+}
+
+std::string sha256_file(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw InputError(fmt::format("{}: cannot be opened for reading", file.string()));
   Digest digest;
-  digest.add(text.data(), text.size());
+  std::vector<char> buffer(std::size_t{1} << 20);
+  while (in) {
+    in.read(buffer.data(), static_cast<std::streamsize>(buffer.size()));
+    digest.add(buffer.data(), static_cast<std::size_t>(in.gcount()));
+  }
+  if (in.bad()) throw InputError(fmt::format("{}: reading failed", file.string()));
   return digest.hex();
 }
 

@@ -1,0 +1,67 @@
+#include "preprocessor/surface_wrap.hpp"
+
+#include <CGAL/AABB_traits.h>
+#include <CGAL/AABB_tree.h>
+#include <CGAL/AABB_triangle_primitive.h>
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Surface_mesh.h>
+#include <CGAL/alpha_wrap_3.h>
+
+namespace iga::prep {
+
+namespace {
+
+using Index = std::size_t;
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Wrap = CGAL::Surface_mesh<Kernel::Point_3>;
+using Facets = std::vector<Kernel::Triangle_3>;
+using Primitive = CGAL::AABB_triangle_primitive<Kernel, Facets::const_iterator>;
+using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
+
+} // namespace
+
+TriangleMesh wrap_surface(const TriangleMesh& mesh, double alpha, double offset) {
+  const Box3 box = bounding_box(mesh);
+  const Point3 centre = vec::add(box.lower, vec::mul(vec::sub(box.upper, box.lower), 0.5));
+  std::vector<Kernel::Point_3> points;
+  for (const Point3& v : mesh.vertices) {
+    const Point3 x = vec::sub(v, centre);
+    points.emplace_back(x[0], x[1], x[2]);
+  }
+  std::vector<std::array<std::size_t, 3>> faces;
+  Facets facets;
+  std::vector<Index> number; // mesh facet of each entry; CGAL's tree takes none without area
+  for (Index t = 0; t < mesh.triangles.size(); ++t) {
+    std::array<std::size_t, 3> v{};
+    for (Index i = 0; i < 3; ++i) v[i] = static_cast<std::size_t>(mesh.triangles[t][i]);
+    const Kernel::Triangle_3 facet(points[v[0]], points[v[1]], points[v[2]]);
+    if (facet.is_degenerate()) continue;
+    faces.push_back(v);
+    facets.push_back(facet);
+    number.push_back(t);
+  }
+  Wrap wrap;
+  CGAL::alpha_wrap_3(points, faces, alpha, offset, wrap);
+
+  TriangleMesh out;
+  out.region_names = mesh.region_names;
+  for (auto v : wrap.vertices()) {
+    const auto& p = wrap.point(v);
+    out.vertices.push_back(vec::add({p.x(), p.y(), p.z()}, centre));
+  }
+  const Tree tree(facets.begin(), facets.end());
+  for (auto f : wrap.faces()) {
+    Triangle t{};
+    Index i = 0;
+    for (auto v : wrap.vertices_around_face(wrap.halfedge(f))) t[i++] = static_cast<std::int32_t>(v.idx());
+    const auto middle = CGAL::centroid(wrap.point(Wrap::Vertex_index(static_cast<Wrap::size_type>(t[0]))),
+                                       wrap.point(Wrap::Vertex_index(static_cast<Wrap::size_type>(t[1]))),
+                                       wrap.point(Wrap::Vertex_index(static_cast<Wrap::size_type>(t[2]))));
+    const auto nearest = tree.closest_point_and_primitive(middle).second;
+    out.triangles.push_back(t);
+    out.region.push_back(mesh.region[number[static_cast<Index>(nearest - facets.begin())]]);
+  }
+  return out;
+}
+
+} // namespace iga::prep

@@ -1,0 +1,14 @@
+// The last resort for a hopeless surface: a closed one around it.
+#pragma once
+
+#include "preprocessor/surface_topology.hpp"
+
+namespace iga::prep {
+
+/// Closed, orientable surface without self-intersections that encloses every facet at a distance of `offset`: CGAL's
+/// alpha wrapping (Portaneri et al., 2022). Holes narrower than `alpha` are bridged. Facets take the region of the
+/// nearest facet.
+/// @param alpha, offset  length, > 0
+TriangleMesh wrap_surface(const TriangleMesh& mesh, double alpha, double offset);
+
+} // namespace iga::prep
