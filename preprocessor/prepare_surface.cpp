@@ -60,7 +60,7 @@ class Preparation {
     weld_equal_vertices(surface_);
     drop_collapsed_facets(surface_);
     if (!(size_ > 0) || surface_.mesh.triangles.empty()) throw InputError(reason);
-    const double alpha = options_.wrap_alpha.value_or(size_ / 200);
+    const double alpha = options_.wrap_alpha.value_or(size_ / 50);
     const double offset = options_.wrap_offset.value_or(alpha / 30);
     if (!(alpha > 0) || !(offset > 0))
       refuse(fmt::format("wrap alpha is {} and offset {}; both must be positive lengths", alpha, offset));

@@ -10,7 +10,7 @@ namespace iga::prep {
 struct SurfaceOptions {
   bool repair = false;              ///< allow changes of shape: fill holes, resolve self-intersections, union of bodies
   bool wrap = false;                ///< last resort: CGAL's alpha wrapping
-  std::optional<double> wrap_alpha; ///< length; default: diagonal / 200
+  std::optional<double> wrap_alpha; ///< length; default: diagonal / 50
   std::optional<double> wrap_offset;  ///< length; default: alpha / 30
   std::optional<double> region_angle; ///< degrees; split regions at sharper edges into numbered regions
   bool accept_leaks = false;          ///< keep going with a surface that is not closed
