@@ -107,7 +107,7 @@ void add_options(CLI::App& app, Raw& raw, TypedSettings& t, CommandLine& line) {
                "Allow changes of shape: fill holes, resolve self-intersections, unite bodies")
       ->group(surface);
   app.add_flag("--wrap,!--no-wrap", t.wrap, "Last resort: alpha wrapping")->group(surface);
-  app.add_option("--wrap-alpha", t.wrap_alpha, "Smallest detail of the wrapping, length [diagonal / 200]")
+  app.add_option("--wrap-alpha", t.wrap_alpha, "Smallest detail of the wrapping, length [diagonal / 50]")
       ->group(surface);
   app.add_option("--wrap-offset", t.wrap_offset, "Distance of the wrapping, length [alpha / 30]")->group(surface);
   app.add_option("--region-angle", t.region_angle, "Split regions at edges sharper than this, degrees")->group(surface);
