@@ -16,6 +16,10 @@ constexpr double parallel_defect = 1e-12;
 // NNLS runs on until the residual is well below what is asked for, so that rounding of the points cannot spoil it.
 constexpr double safety = 0.1;
 constexpr int max_levels = 7;
+// With more moments than this it pays to make the basis orthonormal before the fit: fewer exchanges than it costs.
+constexpr std::size_t plain_moments = 40;
+// Cholesky factors of Gram matrices are trusted down to this ratio of their diagonals (the square root of rounding).
+constexpr double dependent_basis = 1e-6;
 // Polynomials this small (relative) on the solid cannot change a moment by more than the tolerance.
 constexpr double negligible_direction = 1e-12;
 
@@ -176,19 +180,42 @@ void MomentFitter::evaluate_columns(const std::array<int, 3>& degree, std::span<
 }
 
 void MomentFitter::fit_nnls(const std::array<int, 3>& degree, std::span<const double> moments, int prism_axis) {
-  const int m = static_cast<int>(moments.size());
-  shoot_first(prism_axis, moments.size());
+  const std::size_t m = moments.size();
+  shoot_first(prism_axis, m);
   candidates_ = new_points_;
   evaluate_columns(degree, new_points_);
-  nnls_.start(moments);
-  nnls_.add_columns(columns_, new_points_.size() / 3);
-  const bool converged = nnls_.solve(safety * tolerance_, 3 * m) == Nnls::Status::Converged;
-  rule_.nnls_steps += nnls_.num_steps();
-  if (!converged) {
+  const std::size_t count = new_points_.size() / 3;
+  rhs_.assign(moments.begin(), moments.end());
+  bool sound = true;
+  if (m > plain_moments) sound = whiten_by_cholesky(count);
+  if (sound) {
+    nnls_.start(rhs_);
+    nnls_.add_columns(columns_, count);
+    sound = nnls_.solve(safety * tolerance_, 3 * static_cast<int>(m)) == Nnls::Status::Converged;
+    rule_.nnls_steps += nnls_.num_steps();
+  }
+  if (!sound) {
     rule_.refined = true;
     fit_nnls_whitened(degree, moments, prism_axis);
   }
   take_points();
+}
+
+// Makes the basis orthonormal over the candidates: columns and right-hand side are multiplied by L^{-1} of the Gram
+// matrix A A^T = L L^T. False where the basis is too dependent for that.
+bool MomentFitter::whiten_by_cholesky(std::size_t count) {
+  const auto m = static_cast<Eigen::Index>(rhs_.size());
+  Eigen::Map<Eigen::MatrixXd> A(columns_.data(), m, static_cast<Eigen::Index>(count));
+  gram_.setZero(m, m);
+  gram_.selfadjointView<Eigen::Lower>().rankUpdate(A);
+  cholesky_.compute(gram_);
+  if (cholesky_.info() != Eigen::Success) return false;
+  const auto diagonal = cholesky_.matrixLLT().diagonal();
+  if (diagonal.minCoeff() < dependent_basis * diagonal.maxCoeff()) return false;
+  cholesky_.matrixL().solveInPlace(A);
+  Eigen::Map<Eigen::VectorXd> b(rhs_.data(), m);
+  cholesky_.matrixL().solveInPlace(b);
+  return true;
 }
 
 void MomentFitter::take_points() {

@@ -5,6 +5,8 @@
 #include "preprocessor/candidates.hpp"
 #include "preprocessor/nnls.hpp"
 
+#include <Eigen/Cholesky>
+
 namespace iga::prep {
 
 enum class SpanShape { Box, Prism, Free };
@@ -32,6 +34,7 @@ private:
   void fit_prism(std::size_t axis);
   void fit_free();
   void fit_nnls(const std::array<int, 3>& degree, std::span<const double> moments, int prism_axis);
+  bool whiten_by_cholesky(std::size_t count);
   bool fit_nnls_whitened(const std::array<int, 3>& degree, std::span<const double> moments, int prism_axis);
   void take_points();
   void shoot_first(int prism_axis, std::size_t num_moments);
@@ -51,6 +54,9 @@ private:
   SpanRule rule_;
   std::vector<double> moments_;                 // all moments of the span, box units
   std::vector<double> fit_points_, fit_weights_; // of the last NNLS, box units
+  Eigen::MatrixXd gram_;
+  Eigen::LLT<Eigen::MatrixXd> cholesky_;
+  std::vector<double> rhs_;                      // moments, or their orthonormalised form
   std::vector<double> candidates_, new_points_, columns_, plane_moments_;
 };
 
