@@ -1,0 +1,28 @@
+#!/usr/bin/python3
+"""The generator writes the same solids on a second run: same boxes, volumes and areas to the rounding of float32.
+
+(CGAL's corefinement orders its sets by address, so that facets of one plane may be cut otherwise each time.)"""
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
+from run_samples import read_stl, surface_figures  # noqa: E402
+
+make_parts, first, second = map(Path, sys.argv[1:])
+subprocess.run([make_parts, second], check=True, stdout=subprocess.DEVNULL)
+parts = sorted(second.glob("*.stl"))
+wrong = []
+for part in parts:
+    a, b = read_stl(first / part.name), read_stl(part)
+    size = np.ptp(a, axis=(0, 1)).max()
+    (volume_a, centroid_a, area_a), (volume_b, centroid_b, area_b) = surface_figures(a), surface_figures(b)
+    differences = [np.abs(a.min(axis=(0, 1)) - b.min(axis=(0, 1))).max() / size,
+                   np.abs(a.max(axis=(0, 1)) - b.max(axis=(0, 1))).max() / size,
+                   abs(volume_a / volume_b - 1), abs(area_a / area_b - 1), np.abs(centroid_a - centroid_b).max() / size]
+    print(f"{part.name}: {len(a)} and {len(b)} facets, largest difference {max(differences):.1e}")
+    if not max(differences) < 1e-7:
+        wrong.append(part.name)
+sys.exit(f"differ between two runs: {', '.join(wrong)}" if wrong or not parts else 0)
