@@ -12,6 +12,8 @@ namespace {
 
 // Shorter stretches of a line (relative to the box) are skipped: their points would sit on the surface itself.
 constexpr double shortest_interval = 1e-7;
+// Sheets closer than this coincide: where two bodies touch, the surface leaves and enters the solid at once.
+constexpr double coincident = 1e-12;
 
 struct EdgePoint {
   double b, a;  // coordinates along b and along the axis
@@ -29,6 +31,20 @@ Point3 twice_area(const Point3& a, const Point3& b, const Point3& c) {
 }
 
 double dot(const Point3& a, const Point3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+// Sorts the crossings of a line and takes out opposite ones that coincide; rounding may have put them in either order.
+template <class Crossing> void sort_and_cancel(std::vector<Crossing>& line) {
+  std::sort(line.begin(), line.end(), [](const Crossing& x, const Crossing& y) { return x.at < y.at; });
+  std::size_t kept = 0;
+  for (const Crossing& crossing : line) {
+    const bool cancels = kept > 0 && line[kept - 1].sign != crossing.sign && crossing.at - line[kept - 1].at <= coincident;
+    if (cancels)
+      --kept;
+    else
+      line[kept++] = crossing;
+  }
+  line.resize(kept);
+}
 
 } // namespace
 
@@ -88,8 +104,7 @@ void LineCaster::cast(std::size_t axis, std::span<const double> bs, std::span<co
       }
     }
   }
-  for (std::size_t l = 0; l < bs.size() * cs.size(); ++l)
-    std::sort(lines_[l].begin(), lines_[l].end(), [](const Crossing& x, const Crossing& y) { return x.at < y.at; });
+  for (std::size_t l = 0; l < bs.size() * cs.size(); ++l) sort_and_cancel(lines_[l]);
 }
 
 void LineCaster::append_candidates(std::size_t axis, std::span<const double> bs, std::span<const double> cs,
@@ -125,9 +140,6 @@ void LineCaster::append_candidates(std::size_t axis, std::span<const double> bs,
         if (solid) fill(0, 1);
         continue;
       }
-      // Sheets that touch may come in either order.
-      for (std::size_t s = 0; s + 1 < line.size(); ++s)
-        if (line[s].at == line[s + 1].at && s > 0 && line[s].sign == line[s - 1].sign) std::swap(line[s], line[s + 1]);
       bool alternates = true;
       for (std::size_t s = 0; s + 1 < line.size(); ++s) alternates = alternates && line[s].sign != line[s + 1].sign;
       if (!alternates) continue;
@@ -152,9 +164,8 @@ bool LineCaster::inside(const Point3& x) {
 }
 
 // No axis-parallel line meets the surface: look towards the middle of a piece, the first piece on the way decides.
-bool LineCaster::inside_by_piece(const Point3& x) const {
-  std::size_t target = 0;
-  double largest = 0;
+bool LineCaster::inside_by_piece(const Point3& x) {
+  std::vector<std::pair<double, std::size_t>> targets;  // largest pieces first
   for (std::size_t q = 0; q < surface_->num_polygons(); ++q) {
     const auto v = surface_->polygon(q);
     Point3 n{};
@@ -162,25 +173,29 @@ bool LineCaster::inside_by_piece(const Point3& x) const {
       const Point3 m = twice_area(v[0], v[a], v[a + 1]);
       for (std::size_t d = 0; d < 3; ++d) n[d] += m[d];
     }
-    if (dot(n, n) > largest) {
-      largest = dot(n, n);
-      target = q;
+    targets.emplace_back(-dot(n, n), q);
+  }
+  std::sort(targets.begin(), targets.end());
+  for (const auto& [size, target] : targets) {
+    // Weights without symmetry keep the ray off the corners and edges of regular surfaces.
+    const auto polygon = surface_->polygon(target);
+    Point3 goal{};
+    double total = 0;
+    for (std::size_t a = 0; a < polygon.size(); ++a) {
+      const double w = 1 + 0.137 * static_cast<double>(a) + 0.0713 * static_cast<double>(a * a);
+      total += w;
+      for (std::size_t d = 0; d < 3; ++d) goal[d] += w * polygon[a][d];
     }
+    for (double& g : goal) g /= total;
+    cast_ray(x, {goal[0] - x[0], goal[1] - x[1], goal[2] - x[2]});
+    if (!ray_.empty()) return ray_.front().sign > 0;
   }
-  if (surface_->num_polygons() == 0) return surface_->fraction > 0.5;
-  // Weights without symmetry keep the ray off the corners and edges of regular surfaces.
-  const auto polygon = surface_->polygon(target);
-  Point3 goal{};
-  double total = 0;
-  for (std::size_t a = 0; a < polygon.size(); ++a) {
-    const double w = 1 + 0.137 * static_cast<double>(a) + 0.0713 * static_cast<double>(a * a);
-    total += w;
-    for (std::size_t d = 0; d < 3; ++d) goal[d] += w * polygon[a][d];
-  }
-  for (double& g : goal) g /= total;
-  const Point3 ray{goal[0] - x[0], goal[1] - x[1], goal[2] - x[2]};
-  double nearest = std::numeric_limits<double>::infinity();
-  bool leaving = false;
+  return surface_->fraction > 0.5;
+}
+
+// Crossings of x + t · ray, t > 0, into ray_.
+void LineCaster::cast_ray(const Point3& x, const Point3& ray) {
+  ray_.clear();
   for (std::size_t q = 0; q < surface_->num_polygons(); ++q) {
     const auto v = surface_->polygon(q);
     for (std::size_t a = 1; a + 1 < v.size(); ++a) {
@@ -188,18 +203,17 @@ bool LineCaster::inside_by_piece(const Point3& x) const {
       const double slope = dot(n, ray);
       if (slope == 0) continue;
       const double t = (dot(n, v[0]) - dot(n, x)) / slope;
-      if (t < 0 || t >= nearest) continue;
+      if (t < 0) continue;
       const Point3 hit{x[0] + t * ray[0], x[1] + t * ray[1], x[2] + t * ray[2]};
       constexpr double tolerance = 1e-12;  // an edge counts for both of its triangles
       const double scale = -tolerance * dot(n, n);
       if (dot(n, twice_area(v[0], v[a], hit)) < scale || dot(n, twice_area(v[a], v[a + 1], hit)) < scale ||
           dot(n, twice_area(v[a + 1], v[0], hit)) < scale)
         continue;
-      nearest = t;
-      leaving = slope > 0;
+      ray_.push_back({t, slope > 0 ? 1 : -1});
     }
   }
-  return leaving;
+  sort_and_cancel(ray_);
 }
 
 } // namespace iga::prep

@@ -32,11 +32,13 @@ private:
     int sign;    ///< +1 where the line leaves the solid in the positive direction
   };
   void cast(std::size_t axis, std::span<const double> b, std::span<const double> c);
-  bool inside_by_piece(const Point3& x) const;
+  bool inside_by_piece(const Point3& x);
+  void cast_ray(const Point3& x, const Point3& ray);
 
   const LocalSurface* surface_ = nullptr;
   std::vector<std::vector<Crossing>> lines_;  // of the last cast, b fastest
   std::vector<std::vector<Crossing>> probe_;  // spare, for inside() while lines_ is in use
+  std::vector<Crossing> ray_;                 // of the last cast_ray
 };
 
 } // namespace iga::prep
