@@ -79,8 +79,12 @@ struct Row {
 
 std::vector<Row> find_rows(const SurfacePieces& pieces, std::int64_t num_u) {
   std::vector<Row> rows;
+  std::int64_t row_end = 0;  // first span behind the row
   for (std::size_t t = 0; t < pieces.spans.size(); ++t) {
-    if (t == 0 || pieces.spans[t] / num_u != pieces.spans[t - 1] / num_u) rows.push_back({t, t});
+    if (pieces.spans[t] >= row_end) {
+      rows.push_back({t, t});
+      row_end = (pieces.spans[t] / num_u + 1) * num_u;
+    }
     rows.back().last = t + 1;
   }
   return rows;
