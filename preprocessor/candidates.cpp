@@ -13,6 +13,9 @@ namespace {
 // Shorter stretches of a line (relative to the box) are skipped: their points would sit on the surface itself.
 constexpr double shortest_interval = 1e-7;
 
+// Opposite crossings this close (relative to the box) are one place within the rounding of either.
+constexpr double touching = 1e-13;
+
 struct EdgePoint {
   double b, a;  // coordinates along b and along the axis
 };
@@ -88,8 +91,19 @@ void LineCaster::cast(std::size_t axis, std::span<const double> bs, std::span<co
       }
     }
   }
-  for (std::size_t l = 0; l < bs.size() * cs.size(); ++l)
-    std::sort(lines_[l].begin(), lines_[l].end(), [](const Crossing& x, const Crossing& y) { return x.at < y.at; });
+  for (std::size_t l = 0; l < bs.size() * cs.size(); ++l) {
+    auto& line = lines_[l];
+    if (line.size() < 2) continue;
+    std::sort(line.begin(), line.end(), [](const Crossing& x, const Crossing& y) { return x.at < y.at; });
+    // Sheets that touch, and the fold that a line grazes, come in either order: the two crossings cancel.
+    std::size_t kept = 0;
+    for (const Crossing& crossing : line)
+      if (kept > 0 && crossing.at - line[kept - 1].at < touching && crossing.sign != line[kept - 1].sign)
+        --kept;
+      else
+        line[kept++] = crossing;
+    line.resize(kept);
+  }
 }
 
 void LineCaster::append_candidates(std::size_t axis, std::span<const double> bs, std::span<const double> cs,
@@ -110,10 +124,10 @@ void LineCaster::append_candidates(std::size_t axis, std::span<const double> bs,
           points.insert(points.end(), x.begin(), x.end());
         }
       };
-      auto& line = lines_[i + bs.size() * j];
+      const auto& line = lines_[i + bs.size() * j];
+      const FaceState low = surface_->faces[2 * axis], high = surface_->faces[2 * axis + 1];
       if (line.empty()) {
         bool solid = false;
-        const FaceState low = surface_->faces[2 * axis], high = surface_->faces[2 * axis + 1];
         if (low != FaceState::Crossed || high != FaceState::Crossed) {
           solid = low == FaceState::Full || high == FaceState::Full;
         } else {
@@ -125,11 +139,11 @@ void LineCaster::append_candidates(std::size_t axis, std::span<const double> bs,
         if (solid) fill(0, 1);
         continue;
       }
-      // Sheets that touch may come in either order.
-      for (std::size_t s = 0; s + 1 < line.size(); ++s)
-        if (line[s].at == line[s + 1].at && s > 0 && line[s].sign == line[s - 1].sign) std::swap(line[s], line[s + 1]);
       bool alternates = true;
       for (std::size_t s = 0; s + 1 < line.size(); ++s) alternates = alternates && line[s].sign != line[s + 1].sign;
+      // A line that begins or ends on the wrong side of an empty or full face tells nothing.
+      alternates = alternates && low != (line.front().sign > 0 ? FaceState::Empty : FaceState::Full) &&
+                   high != (line.back().sign < 0 ? FaceState::Empty : FaceState::Full);
       if (!alternates) continue;
       if (line.front().sign > 0) fill(0, line.front().at);
       for (std::size_t s = 0; s + 1 < line.size(); ++s)
