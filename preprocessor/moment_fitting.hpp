@@ -51,6 +51,7 @@ private:
   SpanRule rule_;
   std::vector<double> moments_;                 // all moments of the span, box units
   std::vector<double> fit_points_, fit_weights_; // of the last NNLS, box units
+  bool aimed_ = false;                          // regular lines all but miss the part: aim them
   std::vector<double> candidates_, new_points_, columns_, plane_moments_;
 };
 
