@@ -113,7 +113,7 @@ std::vector<HalfSpace> half_spaces(const std::vector<Point3>& vertices, const st
     // The two triangles of a rectangle have one plane; two that differ by rounding would leave splinters.
     const HalfSpace h{n, dot(n, x[0])};
     const bool known = std::any_of(out.begin(), out.end(), [&](const HalfSpace& o) {
-      return dot(o.n, h.n) > 1 - 1e-12L && std::abs(o.offset - h.offset) < 1e-12L;
+      return dot(o.n, h.n) > 1 - 1e-12L && std::abs(o.offset - h.offset) < 1e-9L;
     });
     if (!known) out.push_back(h);
   }
