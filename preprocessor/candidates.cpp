@@ -12,8 +12,11 @@ namespace {
 
 // Shorter stretches of a line (relative to the box) are skipped: their points would sit on the surface itself.
 constexpr double shortest_interval = 1e-7;
-// Sheets closer than this coincide: where two bodies touch, the surface leaves and enters the solid at once.
+// Opposite crossings closer than this are one place within rounding: two bodies touch, or the line grazes a fold.
 constexpr double coincident = 1e-12;
+
+// A line that meets a piece at a smaller angle than this runs along it: where it crosses is mostly rounding.
+constexpr double grazing = 1e-7;
 
 struct EdgePoint {
   double b, a;  // coordinates along b and along the axis
@@ -37,13 +40,22 @@ template <class Crossing> void sort_and_cancel(std::vector<Crossing>& line) {
   std::sort(line.begin(), line.end(), [](const Crossing& x, const Crossing& y) { return x.at < y.at; });
   std::size_t kept = 0;
   for (const Crossing& crossing : line) {
-    const bool cancels = kept > 0 && line[kept - 1].sign != crossing.sign && crossing.at - line[kept - 1].at <= coincident;
+    const bool cancels = kept > 0 && line[kept - 1].sign * crossing.sign < 0 && crossing.at - line[kept - 1].at <= coincident;
     if (cancels)
       --kept;
     else
       line[kept++] = crossing;
   }
   line.resize(kept);
+}
+
+bool runs_along(std::span<const Point3> v, std::size_t axis) {
+  Point3 n{};
+  for (std::size_t a = 1; a + 1 < v.size(); ++a) {
+    const Point3 m = twice_area(v[0], v[a], v[a + 1]);
+    for (std::size_t d = 0; d < 3; ++d) n[d] += m[d];
+  }
+  return n[axis] * n[axis] < grazing * grazing * dot(n, n);
 }
 
 } // namespace
@@ -76,6 +88,7 @@ void LineCaster::cast(std::size_t axis, std::span<const double> bs, std::span<co
       low = std::min(low, x[c_axis]);
       high = std::max(high, x[c_axis]);
     }
+    int along = -1;  // not known yet
     const auto first = std::lower_bound(cs.begin(), cs.end(), low) - cs.begin();
     for (auto j = static_cast<std::size_t>(first); j < cs.size() && cs[j] < high; ++j) {
       // A convex polygon is entered by one rising and left by one falling edge.
@@ -98,9 +111,10 @@ void LineCaster::cast(std::size_t axis, std::span<const double> bs, std::span<co
       const EdgePoint& right = anticlockwise ? up : down;
       const auto begin = std::lower_bound(bs.begin(), bs.end(), left.b) - bs.begin();
       for (auto i = static_cast<std::size_t>(begin); i < bs.size() && bs[i] < right.b; ++i) {
+        if (along < 0) along = runs_along(v, axis);
         const double t = (bs[i] - left.b) / (right.b - left.b);
-        lines_[i + bs.size() * j].push_back(
-            {std::clamp(left.a + t * (right.a - left.a), 0.0, 1.0), anticlockwise ? orientation : -orientation});
+        const int sign = along ? 0 : anticlockwise ? orientation : -orientation;
+        lines_[i + bs.size() * j].push_back({std::clamp(left.a + t * (right.a - left.a), 0.0, 1.0), sign});
       }
     }
   }
@@ -125,10 +139,10 @@ void LineCaster::append_candidates(std::size_t axis, std::span<const double> bs,
           points.insert(points.end(), x.begin(), x.end());
         }
       };
-      auto& line = lines_[i + bs.size() * j];
+      const auto& line = lines_[i + bs.size() * j];
+      const FaceState low = surface_->faces[2 * axis], high = surface_->faces[2 * axis + 1];
       if (line.empty()) {
         bool solid = false;
-        const FaceState low = surface_->faces[2 * axis], high = surface_->faces[2 * axis + 1];
         if (low != FaceState::Crossed || high != FaceState::Crossed) {
           solid = low == FaceState::Full || high == FaceState::Full;
         } else {
@@ -140,8 +154,11 @@ void LineCaster::append_candidates(std::size_t axis, std::span<const double> bs,
         if (solid) fill(0, 1);
         continue;
       }
-      bool alternates = true;
-      for (std::size_t s = 0; s + 1 < line.size(); ++s) alternates = alternates && line[s].sign != line[s + 1].sign;
+      bool alternates = line.front().sign != 0;
+      for (std::size_t s = 0; s + 1 < line.size(); ++s) alternates = alternates && line[s].sign == -line[s + 1].sign;
+      // A line that begins or ends on the wrong side of an empty or full face tells nothing.
+      alternates = alternates && low != (line.front().sign > 0 ? FaceState::Empty : FaceState::Full) &&
+                   high != (line.back().sign < 0 ? FaceState::Empty : FaceState::Full);
       if (!alternates) continue;
       if (line.front().sign > 0) fill(0, line.front().at);
       for (std::size_t s = 0; s + 1 < line.size(); ++s)
@@ -150,12 +167,35 @@ void LineCaster::append_candidates(std::size_t axis, std::span<const double> bs,
     }
 }
 
+void LineCaster::append_aimed_candidates(std::size_t axis, std::span<const double> shares, std::span<const double> cs,
+                                         int points_per_line, int min_points, std::vector<double>& points) {
+  const std::size_t b_axis = axis == 0 ? 1 : 0, c_axis = axis == 2 ? 1 : 2;
+  for (const double& c : cs) {
+    double low = 1, high = 0;
+    for (std::size_t q = 0; q < surface_->num_polygons(); ++q) {
+      const auto v = surface_->polygon(q);
+      for (std::size_t a = 0; a < v.size(); ++a) {
+        const Point3 &p = v[a], &n = v[a + 1 == v.size() ? 0 : a + 1];
+        if ((p[c_axis] <= c) == (n[c_axis] <= c)) continue;
+        const double b = (p[c_axis] < n[c_axis] ? edge_at(p, n, axis, b_axis, c_axis, c)
+                                                : edge_at(n, p, axis, b_axis, c_axis, c)).b;
+        low = std::min(low, b);
+        high = std::max(high, b);
+      }
+    }
+    if (low >= high) continue;
+    aimed_.clear();
+    for (const double share : shares) aimed_.push_back(low + share * (high - low));
+    append_candidates(axis, aimed_, std::span(&c, 1), points_per_line, min_points, points);
+  }
+}
+
 bool LineCaster::inside(const Point3& x) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::size_t b_axis = axis == 0 ? 1 : 0, c_axis = axis == 2 ? 1 : 2;
     cast(axis, std::span(&x[b_axis], 1), std::span(&x[c_axis], 1));
     const auto& line = lines_[0];
-    if (line.empty()) continue;
+    if (line.empty() || std::any_of(line.begin(), line.end(), [](const Crossing& l) { return l.sign == 0; })) continue;
     for (const Crossing& crossing : line)
       if (crossing.at > x[axis]) return crossing.sign > 0;
     return line.back().sign < 0;

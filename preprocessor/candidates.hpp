@@ -23,19 +23,25 @@ public:
   void append_candidates(std::size_t axis, std::span<const double> b, std::span<const double> c, int points_per_line,
                          int min_points, std::vector<double>& points);
 
+  /// The same with lines that cannot miss: for every c the coordinates b are laid, at `shares`, into the extent that the
+  /// surface has there. Needles hit nothing but such lines.
+  void append_aimed_candidates(std::size_t axis, std::span<const double> shares, std::span<const double> c,
+                               int points_per_line, int min_points, std::vector<double>& points);
+
   /// Whether a point not on the surface lies in the solid.
   bool inside(const Point3& x);
 
 private:
   struct Crossing {
     double at;   ///< coordinate along the axis
-    int sign;    ///< +1 where the line leaves the solid in the positive direction
+    int sign;    ///< +1 where the line leaves the solid in the positive direction, 0 where it runs along a piece
   };
   void cast(std::size_t axis, std::span<const double> b, std::span<const double> c);
   bool inside_by_piece(const Point3& x);
   void cast_ray(const Point3& x, const Point3& ray);
 
   const LocalSurface* surface_ = nullptr;
+  std::vector<double> aimed_;  // coordinates b of the lines aimed at one slice
   std::vector<std::vector<Crossing>> lines_;  // of the last cast, b fastest
   std::vector<std::vector<Crossing>> probe_;  // spare, for inside() while lines_ is in use
   std::vector<Crossing> ray_;                 // of the last cast_ray

@@ -127,11 +127,14 @@ namespace {
 std::size_t other_axis(std::size_t axis) { return axis == 0 ? 1 : 0; }
 
 void shoot(LineCaster& caster, std::size_t axis, int num_lines, int points_per_line, int min_points, int prism_axis,
-           std::vector<double>& points) {
+           bool aimed, std::vector<double>& points) {
   // Along a prism the lines stay in its middle plane.
   static const std::vector<double> middle{0.5};
   const std::size_t b = axis == 0 ? 1 : 0, c = axis == 2 ? 1 : 2;
   const std::vector<double>& lattice = gauss_legendre(std::min(num_lines, 64)).nodes;
+  if (aimed && static_cast<int>(b) != prism_axis)
+    return caster.append_aimed_candidates(axis, gauss_legendre(4).nodes, static_cast<int>(c) == prism_axis ? middle : lattice,
+                                          points_per_line, min_points, points);
   caster.append_candidates(axis, static_cast<int>(b) == prism_axis ? middle : lattice,
                            static_cast<int>(c) == prism_axis ? middle : lattice, points_per_line, min_points, points);
 }
@@ -145,11 +148,14 @@ void MomentFitter::shoot_first(int prism_axis, std::size_t num_moments) {
   const bool plane = prism_axis >= 0;
   std::size_t axis = caster_.main_axis();
   if (static_cast<int>(axis) == prism_axis) axis = other_axis(axis);
+  aimed_ = false;
   for (int n = plane ? 2 * q + 3 : q + 2; n <= 8 * (q + 2); n += n / 2) {
     new_points_.clear();
-    shoot(caster_, axis, n, q + 2, 2, prism_axis, new_points_);
-    if (new_points_.size() >= 3 * 2 * num_moments) break;
+    shoot(caster_, axis, n, q + 2, 2, prism_axis, false, new_points_);
+    if (new_points_.size() >= 3 * 2 * num_moments) return;
   }
+  aimed_ = true;
+  shoot(caster_, axis, 8 * (q + 2), q + 2, 3, prism_axis, true, new_points_);
 }
 
 // Denser candidates along all axes; each level has its own lines.
@@ -159,7 +165,7 @@ void MomentFitter::shoot_more(int level, int prism_axis) {
   for (int d = 0; d < 3; ++d)
     if (d != prism_axis)
       shoot(caster_, static_cast<std::size_t>(d), (prism_axis >= 0 ? 4 : 1) * (q + 1) + (q + 1) * level + d, q + 2 + level,
-            2 + level, prism_axis, new_points_);
+            2 + level, prism_axis, aimed_, new_points_);
 }
 
 // Values of the tensor Legendre basis at points: one column of m entries a point.
