@@ -167,26 +167,40 @@ void LineCaster::append_candidates(std::size_t axis, std::span<const double> bs,
     }
 }
 
-void LineCaster::append_aimed_candidates(std::size_t axis, std::span<const double> shares, std::span<const double> cs,
-                                         int points_per_line, int min_points, std::vector<double>& points) {
-  const std::size_t b_axis = axis == 0 ? 1 : 0, c_axis = axis == 2 ? 1 : 2;
-  for (const double& c : cs) {
-    double low = 1, high = 0;
-    for (std::size_t q = 0; q < surface_->num_polygons(); ++q) {
-      const auto v = surface_->polygon(q);
-      for (std::size_t a = 0; a < v.size(); ++a) {
-        const Point3 &p = v[a], &n = v[a + 1 == v.size() ? 0 : a + 1];
-        if ((p[c_axis] <= c) == (n[c_axis] <= c)) continue;
-        const double b = (p[c_axis] < n[c_axis] ? edge_at(p, n, axis, b_axis, c_axis, c)
-                                                : edge_at(n, p, axis, b_axis, c_axis, c)).b;
-        low = std::min(low, b);
-        high = std::max(high, b);
+void LineCaster::append_inward_candidates(int degree, std::size_t max_rays, int points_per_ray, std::vector<double>& points) {
+  const TriangleProductRule<double>& rule = triangle_product_rule<double>(degree);
+  std::size_t num_rays = 0;
+  for (std::size_t q = 0; q < surface_->num_polygons(); ++q)
+    num_rays += (surface_->polygon(q).size() - 2) * rule.weights.size();
+  const std::size_t stride = num_rays / max_rays + 1;  // every so many rays, where there are more than asked for
+  std::size_t ray = 0;
+  for (std::size_t q = 0; q < surface_->num_polygons(); ++q) {
+    const auto v = surface_->polygon(q);
+    for (std::size_t a = 1; a + 1 < v.size(); ++a) {
+      const Point3 n = twice_area(v[0], v[a], v[a + 1]);
+      const double length = std::sqrt(dot(n, n));
+      for (std::size_t k = 0; k < rule.weights.size(); ++k) {
+        if (ray++ % stride != 0 || length == 0) continue;
+        Point3 from;
+        double leave = std::numeric_limits<double>::infinity();  // where the ray leaves the box
+        const Point3 inward{-n[0] / length, -n[1] / length, -n[2] / length};
+        for (std::size_t d = 0; d < 3; ++d) {
+          from[d] = v[0][d] + rule.s[k] * (v[a][d] - v[0][d]) + rule.t[k] * (v[a + 1][d] - v[0][d]);
+          if (inward[d] != 0) leave = std::min(leave, ((inward[d] > 0 ? 1 : 0) - from[d]) / inward[d]);
+        }
+        cast_ray(from, inward);
+        double to = leave;
+        int sign = 1;
+        for (const Crossing& crossing : ray_)
+          if (crossing.at > coincident && crossing.at < to) {
+            to = crossing.at;
+            sign = crossing.sign;
+          }
+        if (sign < 0 || !(to > shortest_interval)) continue;
+        for (double g : gauss_legendre(points_per_ray).nodes)
+          for (std::size_t d = 0; d < 3; ++d) points.push_back(std::clamp(from[d] + g * to * inward[d], 0.0, 1.0));
       }
     }
-    if (low >= high) continue;
-    aimed_.clear();
-    for (const double share : shares) aimed_.push_back(low + share * (high - low));
-    append_candidates(axis, aimed_, std::span(&c, 1), points_per_line, min_points, points);
   }
 }
 

@@ -23,10 +23,11 @@ public:
   void append_candidates(std::size_t axis, std::span<const double> b, std::span<const double> c, int points_per_line,
                          int min_points, std::vector<double>& points);
 
-  /// The same with lines that cannot miss: for every c the coordinates b are laid, at `shares`, into the extent that the
-  /// surface has there. Needles hit nothing but such lines.
-  void append_aimed_candidates(std::size_t axis, std::span<const double> shares, std::span<const double> c,
-                               int points_per_line, int min_points, std::vector<double>& points);
+  /// Rays from points of the pieces straight into the solid, up to where they leave it: they find what regular lines
+  /// miss, parts that are thin in two directions. Appends a Gauss rule of `points_per_ray` points a ray.
+  /// @param degree    the rays start at the points of a triangle rule of this degree
+  /// @param max_rays  at most about this many
+  void append_inward_candidates(int degree, std::size_t max_rays, int points_per_ray, std::vector<double>& points);
 
   /// Whether a point not on the surface lies in the solid.
   bool inside(const Point3& x);
@@ -41,7 +42,6 @@ private:
   void cast_ray(const Point3& x, const Point3& ray);
 
   const LocalSurface* surface_ = nullptr;
-  std::vector<double> aimed_;  // coordinates b of the lines aimed at one slice
   std::vector<std::vector<Crossing>> lines_;  // of the last cast, b fastest
   std::vector<std::vector<Crossing>> probe_;  // spare, for inside() while lines_ is in use
   std::vector<Crossing> ray_;                 // of the last cast_ray

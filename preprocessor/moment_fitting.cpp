@@ -127,14 +127,11 @@ namespace {
 std::size_t other_axis(std::size_t axis) { return axis == 0 ? 1 : 0; }
 
 void shoot(LineCaster& caster, std::size_t axis, int num_lines, int points_per_line, int min_points, int prism_axis,
-           bool aimed, std::vector<double>& points) {
+           std::vector<double>& points) {
   // Along a prism the lines stay in its middle plane.
   static const std::vector<double> middle{0.5};
   const std::size_t b = axis == 0 ? 1 : 0, c = axis == 2 ? 1 : 2;
   const std::vector<double>& lattice = gauss_legendre(std::min(num_lines, 64)).nodes;
-  if (aimed && static_cast<int>(b) != prism_axis)
-    return caster.append_aimed_candidates(axis, gauss_legendre(4).nodes, static_cast<int>(c) == prism_axis ? middle : lattice,
-                                          points_per_line, min_points, points);
   caster.append_candidates(axis, static_cast<int>(b) == prism_axis ? middle : lattice,
                            static_cast<int>(c) == prism_axis ? middle : lattice, points_per_line, min_points, points);
 }
@@ -142,30 +139,29 @@ void shoot(LineCaster& caster, std::size_t axis, int num_lines, int points_per_l
 } // namespace
 
 // First candidates, along the axis that shows the most surface: about twice as many as moments; thin and pointed parts
-// need more lines for that.
+// need more lines for that, needles rays that start at their surface.
 void MomentFitter::shoot_first(int prism_axis, std::size_t num_moments) {
   const int q = std::max({degree_[0], degree_[1], degree_[2]});
   const bool plane = prism_axis >= 0;
   std::size_t axis = caster_.main_axis();
   if (static_cast<int>(axis) == prism_axis) axis = other_axis(axis);
-  aimed_ = false;
   for (int n = plane ? 2 * q + 3 : q + 2; n <= 8 * (q + 2); n += n / 2) {
     new_points_.clear();
-    shoot(caster_, axis, n, q + 2, 2, prism_axis, false, new_points_);
+    shoot(caster_, axis, n, q + 2, 2, prism_axis, new_points_);
     if (new_points_.size() >= 3 * 2 * num_moments) return;
   }
-  aimed_ = true;
-  shoot(caster_, axis, 8 * (q + 2), q + 2, 3, prism_axis, true, new_points_);
+  if (!plane) caster_.append_inward_candidates(2 * q, 2 * num_moments, 3, new_points_);
 }
 
-// Denser candidates along all axes; each level has its own lines.
+// Denser candidates along all axes, and into the solid from its surface; each level has its own lines.
 void MomentFitter::shoot_more(int level, int prism_axis) {
   const int q = std::max({degree_[0], degree_[1], degree_[2]});
   new_points_.clear();
   for (int d = 0; d < 3; ++d)
     if (d != prism_axis)
       shoot(caster_, static_cast<std::size_t>(d), (prism_axis >= 0 ? 4 : 1) * (q + 1) + (q + 1) * level + d, q + 2 + level,
-            2 + level, prism_axis, aimed_, new_points_);
+            2 + level, prism_axis, new_points_);
+  if (prism_axis < 0) caster_.append_inward_candidates(2 * q + 2 * level, 2 * moments_.size(), 2 + level, new_points_);
 }
 
 // Values of the tensor Legendre basis at points: one column of m entries a point.

@@ -57,7 +57,6 @@ private:
   Eigen::MatrixXd gram_;
   Eigen::LLT<Eigen::MatrixXd> cholesky_;
   std::vector<double> rhs_;                      // moments, or their orthonormalised form
-  bool aimed_ = false;                          // regular lines all but miss the part: aim them
   std::vector<double> candidates_, new_points_, columns_, plane_moments_;
 };
 

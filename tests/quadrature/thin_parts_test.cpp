@@ -67,8 +67,7 @@ void expect_thin_parts(bool needles) {
 
 TEST(ThinParts, PlatesAndWedges) { expect_thin_parts(false); }
 
-// Known to fail: single spans of oblique needles miss the residual and the run ends with an error that names them.
-TEST(ThinParts, DISABLED_Needles) { expect_thin_parts(true); }
+TEST(ThinParts, Needles) { expect_thin_parts(true); }
 
 } // namespace
 } // namespace iga::prep
