@@ -45,14 +45,17 @@ TriangleMesh random_triangles(int count, double size, unsigned seed) {
 void expect_sound(const SplineGrid& grid, const TriangleMesh& mesh, const SurfacePieces& pieces) {
   std::vector<Point3> sum(mesh.triangles.size(), Point3{});
   for (std::size_t t = 0; t < pieces.spans.size(); ++t) {
-    if (t) EXPECT_LT(pieces.spans[t - 1], pieces.spans[t]);
+    if (t) {
+      EXPECT_LT(pieces.spans[t - 1], pieces.spans[t]);
+    }
     const Index3 ijk = grid.span_index(pieces.spans[t]);
     for (std::int64_t q = pieces.offsets[t]; q < pieces.offsets[t + 1]; ++q) {
       const auto v = pieces.polygon(q);
       ASSERT_GE(v.size(), 3u);
       ASSERT_LE(v.size(), 9u);
-      if (q > pieces.offsets[t])
+      if (q > pieces.offsets[t]) {
         EXPECT_LE(pieces.triangle[static_cast<std::size_t>(q - 1)], pieces.triangle[static_cast<std::size_t>(q)]);
+      }
       for (const Point3& x : v)
         for (std::size_t d = 0; d < 3; ++d) {
           ASSERT_GE(x[d], static_cast<double>(ijk[d]));

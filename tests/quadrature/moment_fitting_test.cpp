@@ -204,7 +204,9 @@ TEST(FunctionMass, SharesAddUpToTheVolume) {
       volume += mass.mass_fraction[f] * full;
     }
     EXPECT_NEAR(volume, 8, 1e-9);
-    if (degree[2] == 2) EXPECT_GT(whole, 0);
+    if (degree[2] == 2) {
+      EXPECT_GT(whole, 0);
+    }
   }
 }
 

@@ -76,7 +76,9 @@ void expect_optimal(const Nnls& nnls, const Matrix& A, const Vector& b) {
   const double scale = A.colwise().norm().maxCoeff() * b.norm();
   for (Eigen::Index j = 0; j < A.cols(); ++j) {
     EXPECT_LT(g[j], 1e-11 * scale);
-    if (w[j] > 0) EXPECT_GT(g[j], -1e-11 * scale);
+    if (w[j] > 0) {
+      EXPECT_GT(g[j], -1e-11 * scale);
+    }
   }
 }
 

@@ -112,7 +112,9 @@ TEST_P(SharedPart, EverySpanIsFittedWithPointsInside) {
   });
   EXPECT_EQ(outside, 0);
   for (std::size_t a = 0; a < trimming.active.size(); ++a)
-    if (is_trimmed(trimming, a)) EXPECT_LE(points.offsets[a + 1] - points.offsets[a], num_moments);
+    if (is_trimmed(trimming, a)) {
+      EXPECT_LE(points.offsets[a + 1] - points.offsets[a], num_moments);
+    }
 }
 
 // All valid parts at degree 2; some at degrees 3 and 4 and with moments of twice the degree.
@@ -241,7 +243,9 @@ TEST(SharedParts, ScaleAndPlaceDoNotMatter) {
       RecordProperty("spans with other points", static_cast<int>(moved));
       std::cout << "scale " << scale << ", shift " << shift[0] << ": other points in " << moved << " of "
                 << p.offsets.size() - 1 << " spans\n";
-      if (scale == 1024) EXPECT_EQ(moved, 0u);
+      if (scale == 1024) {
+        EXPECT_EQ(moved, 0u);
+      }
     };
     for (const double scale : {1e-6, 1e-3, 1e3, 1e6}) compare(scale, {0, 0, 0}, 1e-9);
     compare(1024, {0, 0, 0}, 1e-15);
