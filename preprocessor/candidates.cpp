@@ -2,6 +2,8 @@
 // so a line through a closed surface never slips through a seam or counts it twice.
 #include "preprocessor/candidates.hpp"
 
+#include "format/model/vec3.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -26,14 +28,6 @@ EdgePoint edge_at(const Point3& low, const Point3& high, std::size_t axis, std::
   const double t = (c - low[c_axis]) / (high[c_axis] - low[c_axis]);
   return {low[b_axis] + t * (high[b_axis] - low[b_axis]), low[axis] + t * (high[axis] - low[axis])};
 }
-
-Point3 twice_area(const Point3& a, const Point3& b, const Point3& c) {
-  const double x1 = b[0] - a[0], y1 = b[1] - a[1], z1 = b[2] - a[2];
-  const double x2 = c[0] - a[0], y2 = c[1] - a[1], z2 = c[2] - a[2];
-  return {y1 * z2 - z1 * y2, z1 * x2 - x1 * z2, x1 * y2 - y1 * x2};
-}
-
-double dot(const Point3& a, const Point3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 // Sorts the crossings of a line and takes out opposite ones that coincide; rounding may have put them in either order.
 template <class Crossing> void sort_and_cancel(std::vector<Crossing>& line) {

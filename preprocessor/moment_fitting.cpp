@@ -1,5 +1,7 @@
 #include "preprocessor/moment_fitting.hpp"
 
+#include "format/model/vec3.hpp"
+
 #include <Eigen/QR>
 
 #include <algorithm>
@@ -33,13 +35,10 @@ bool is_prism(const LocalSurface& surface, std::size_t axis) {
     if (on(0) || on(1)) continue;
     Point3 n{};
     for (std::size_t a = 1; a + 1 < v.size(); ++a) {
-      const double x1 = v[a][0] - v[0][0], y1 = v[a][1] - v[0][1], z1 = v[a][2] - v[0][2];
-      const double x2 = v[a + 1][0] - v[0][0], y2 = v[a + 1][1] - v[0][1], z2 = v[a + 1][2] - v[0][2];
-      n[0] += y1 * z2 - z1 * y2;
-      n[1] += z1 * x2 - x1 * z2;
-      n[2] += x1 * y2 - y1 * x2;
+      const Point3 m = twice_area(v[0], v[a], v[a + 1]);
+      for (std::size_t d = 0; d < 3; ++d) n[d] += m[d];
     }
-    if (std::abs(n[axis]) > parallel_defect * std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])) return false;
+    if (std::abs(n[axis]) > parallel_defect * norm(n)) return false;
   }
   return true;
 }
