@@ -9,6 +9,9 @@ namespace {
 
 // A column whose part orthogonal to the passive ones is smaller than this (relative) adds nothing but noise.
 constexpr double dependent_column = 1e-12;
+// Symmetric parts have columns that descend equally; of those this close the first is taken, so that rounding (another
+// scale or place of the same part) does not choose.
+constexpr double tie = 1e-6;
 // The residual cannot be lowered further when no column makes a smaller angle with it than this.
 constexpr double no_ascent = 1e-13;
 
@@ -92,7 +95,7 @@ std::size_t Nnls::best_column() {
     for (std::size_t lane = 0; lane < lanes; ++lane) {
       const std::size_t j = block * lanes + lane;
       const double value = g[lane] * inverse_norm_[j];
-      if (value > best_value && !blocked_[j]) {
+      if (value > best_value * (1 + tie) && !blocked_[j]) {
         best_value = value;
         best = j;
       }
