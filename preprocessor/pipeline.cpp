@@ -169,25 +169,9 @@ Provenance provenance_of(const Settings& s, const RunInfo& run, const std::strin
   return p;
 }
 
-} // namespace
-
-std::string settings_hash(const Settings& settings) {
-  return io::sha256_text(canonical_text(settings) + "version = " + IGA_VERSION + "\n");
-}
-
-PrepReport run_pipeline(const Settings& s, const RunInfo& run, io::Progress& progress) {
-  PrepReport report;
-  report.input = s.input.string();
-  report.output = s.output.string();
-  check_paths(s);
-  if (stands_already(s, run)) return report_standing(s, std::move(report));
-
-  Stages stages(progress);
-  ReadMesh read = stages.run("read", [&] { return read_mesh(s.input, s.scale); });
-  report.format = read.format;
-  append(report.findings, read.notes);
-  const std::string input_sha256 = read.sha256;
-  const PreparedSurface surface = stages.run("surface", [&] { return prepare_surface(std::move(read), s.surface); });
+// Everything after the surface: grid, trimming, points, checks, file.
+PrepReport make_model(const Settings& s, const RunInfo& run, const PreparedSurface& surface,
+                      const std::string& input_sha256, PrepReport report, Stages& stages, io::Progress& progress) {
   report.bodies = surface.bodies;
   report.cavities = surface.cavities;
   append(report.findings, surface.findings);
@@ -218,6 +202,7 @@ PrepReport run_pipeline(const Settings& s, const RunInfo& run, io::Progress& pro
   model.surface =
       stages.run("surface points", [&] { return make_embedded_surface(model.grid, surface.mesh, trimming); });
   model.surface.accepted_leak = leaks ? trimming.worst_leak : 0;
+  judge_surface_points(model);
   model.state = std::move(trimming.state);
   model.active = std::move(trimming.active);
   model.volume_fraction = std::move(trimming.fraction);
@@ -234,6 +219,40 @@ PrepReport run_pipeline(const Settings& s, const RunInfo& run, io::Progress& pro
   report.timings = stages.timings;
   report.peak_memory_mib = peak_memory_mib();
   return report;
+}
+
+} // namespace
+
+std::string settings_hash(const Settings& settings) {
+  return io::sha256_text(canonical_text(settings) + "version = " + IGA_VERSION + "\n");
+}
+
+PrepReport run_pipeline(const Settings& s, const RunInfo& run, io::Progress& progress) {
+  PrepReport report;
+  report.input = s.input.string();
+  report.output = s.output.string();
+  check_paths(s);
+  if (stands_already(s, run)) return report_standing(s, std::move(report));
+
+  Stages stages(progress);
+  ReadMesh read = stages.run("read", [&] { return read_mesh(s.input, s.scale); });
+  report.format = read.format;
+  const std::string input_sha256 = read.sha256;
+  if (!s.surface.wrap) {
+    const PreparedSurface surface = stages.run("surface", [&] { return prepare_surface(std::move(read), s.surface); });
+    return make_model(s, run, surface, input_sha256, std::move(report), stages, progress);
+  }
+  // What only the trimming finds amiss is wrapped too.
+  const PreparedSurface surface = stages.run("surface", [&] { return prepare_surface(read, s.surface); });
+  std::string reason;
+  try {
+    return make_model(s, run, surface, input_sha256, report, stages, progress);
+  } catch (const SurfaceFault& fault) {
+    if (surface.wrapped) throw;
+    reason = fault.what();
+  }
+  const PreparedSurface wrapped = stages.run("wrap", [&] { return wrap_around(std::move(read), s.surface, reason); });
+  return make_model(s, run, wrapped, input_sha256, std::move(report), stages, progress);
 }
 
 } // namespace iga::prep

@@ -27,6 +27,9 @@ constexpr double touch_tolerance = 1e-6;
 /// Volume below this times diagonal³ is none: a plate of 1e-5 of its diagonal has 1e-6.
 constexpr double no_volume = 1e-12;
 
+/// Fifth powers of the diagonal (second moments) must neither overflow nor vanish, with room for sums and squares.
+constexpr double least_size = 1e-30, largest_size = 1e30;
+
 std::string at(const Point3& x) {
   return fmt::format("{:.6g} {:.6g} {:.6g}", x[0], x[1], x[2]);
 }
@@ -77,12 +80,14 @@ class Preparation {
     found(fmt::format("not usable as it is ({})", reason));
     judge_closedness();
     judge_shells();
-    out_.shape_changed = true;
+    out_.shape_changed = out_.wrapped = true;
     found(fmt::format(
         "wrapped: a closed surface around all facets with alpha {:.4g} and offset {:.4g} replaces the surface; "
         "it lies outside by about the offset, bridges gaps below alpha and rounds inner corners; volume {:.8g}",
         alpha, offset, volume));
-    warn("the shape was approximated by wrapping");
+    warn(fmt::format("the shape was approximated by wrapping, hollows without an opening wider than {:.4g} are filled: "
+                     "compare the volume, {:.8g}, with the part's",
+                     alpha, volume));
     return finish();
   }
 
@@ -94,6 +99,11 @@ class Preparation {
   /// Repairs that leave the shape as it is.
   void clean() {
     if (!(size_ > 0)) refuse("the surface has no extent: all vertices coincide; export the part again");
+    if (!(size_ >= least_size && size_ <= largest_size))
+      refuse(
+          fmt::format("the box's diagonal is {:.3g}; lengths from {:.0e} to {:.0e} can be integrated: choose another "
+                      "unit (--scale)",
+                      size_, least_size, largest_size));
     weld_equal_vertices(surface_);
     std::int64_t collapsed = drop_collapsed_facets(surface_);
     if (surface_.mesh.triangles.empty())
@@ -395,8 +405,12 @@ PreparedSurface prepare_surface(ReadMesh input, const SurfaceOptions& options) {
   try {
     return Preparation(input, options).run();
   } catch (const InputError& reason) {
-    return Preparation(std::move(input), options).run_wrapped(reason.what());
+    return wrap_around(std::move(input), options, reason.what());
   }
+}
+
+PreparedSurface wrap_around(ReadMesh input, const SurfaceOptions& options, const std::string& reason) {
+  return Preparation(std::move(input), options).run_wrapped(reason);
 }
 
 } // namespace iga::prep
