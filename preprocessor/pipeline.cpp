@@ -128,7 +128,7 @@ SplineGrid choose_grid(const Settings& s, const TriangleMesh& mesh, io::Progress
   return place_grid(*choice.frame, search.offset);
 }
 
-QuadratureResult make_points(const Settings& s, const SplineGrid& grid, const Trimming& trimming,
+QuadratureResult make_points(const Settings& s, const SplineGrid& grid, const Trimming& trimming, bool repaired,
                              io::Progress& progress) {
   QuadratureOptions options = s.quadrature;
   options.progress = [&](std::int64_t done, std::int64_t total) { progress.update(done, total); };
@@ -137,6 +137,11 @@ QuadratureResult make_points(const Settings& s, const SplineGrid& grid, const Tr
     return build_quadrature(grid, trimming, options);
   } catch (const Cancelled&) {
     throw io::Interrupted{};
+  } catch (const NumericalError& error) {
+    if (!repaired) throw;
+    throw NumericalError(fmt::format("{}\nThe surface was repaired: where the repair left walls without thickness or "
+                                     "facets on top of each other, --wrap makes a clean surface instead.",
+                                     error.what()));
   }
 }
 
@@ -190,7 +195,7 @@ PrepReport make_model(const Settings& s, const RunInfo& run, const PreparedSurfa
   append(report.warnings, judge_winding(winding, trimming, s.surface.accept_leaks));
 
   QuadratureResult quadrature =
-      stages.run("quadrature", [&] { return make_points(s, model.grid, trimming, progress); });
+      stages.run("quadrature", [&] { return make_points(s, model.grid, trimming, surface.shape_changed, progress); });
   report.counts = quadrature.counts;
   model.points = std::move(quadrature.points);
   // Without leaks the two volumes agree to rounding; an accepted leak leaves only the one that the spans hold.

@@ -38,6 +38,11 @@ std::string counted(std::int64_t n, const std::string& one, const std::string& m
   return fmt::format("{} {}", n, n == 1 ? one : many);
 }
 
+// The diagonal of a tiny box underflows to zero; that box still has an extent.
+bool has_no_extent(const Box3& box) {
+  return box.lower == box.upper;
+}
+
 /// One run over one surface: collects what was found on the way.
 class Preparation {
  public:
@@ -98,7 +103,8 @@ class Preparation {
 
   /// Repairs that leave the shape as it is.
   void clean() {
-    if (!(size_ > 0)) refuse("the surface has no extent: all vertices coincide; export the part again");
+    if (has_no_extent(bounding_box(surface_.mesh)))
+      refuse("the surface has no extent: all vertices coincide; export the part again");
     if (!(size_ >= least_size && size_ <= largest_size))
       refuse(
           fmt::format("the box's diagonal is {:.3g}; lengths from {:.0e} to {:.0e} can be integrated: choose another "
