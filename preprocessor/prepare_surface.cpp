@@ -3,6 +3,7 @@
 #include "format/model/errors.hpp"
 #include "preprocessor/surface_crossings.hpp"
 #include "preprocessor/surface_fill.hpp"
+#include "preprocessor/surface_junctions.hpp"
 #include "preprocessor/surface_regions.hpp"
 #include "preprocessor/surface_shells.hpp"
 #include "preprocessor/surface_stitch.hpp"
@@ -121,11 +122,28 @@ class Preparation {
                         counted(near.joined, "vertex", "vertices"), near.tolerance, near.tolerance / size_));
     collapsed += facets_before - static_cast<std::int64_t>(surface_.mesh.triangles.size());
     if (collapsed > 0) found(fmt::format("{} with coinciding vertices dropped", counted(collapsed, "facet", "facets")));
+    join_junctions();
     drop_duplicates();
     if (const auto needles = count_needle_facets(surface_.mesh); needles > 0)
       found(
           fmt::format("{} without area kept: the surface would open along them", counted(needles, "facet", "facets")));
     orient();
+  }
+
+  /// Splits edges at junctions where that closes the surface: elsewhere the open edges are cracks or holes, and other
+  /// repairs need them as they are.
+  void join_junctions() {
+    if (!has_open_edges(surface_.mesh)) return;
+    Surface trial = surface_;
+    const std::int64_t split = split_at_junctions(trial, touch_tolerance * size_);
+    if (split == 0 || has_open_edges(trial.mesh)) return;
+    surface_ = std::move(trial);
+    found(fmt::format("{} split where vertices of a neighbour lie on an open edge",
+                      counted(split, "facet was", "facets were")));
+  }
+
+  static bool has_open_edges(const TriangleMesh& mesh) {
+    return find_edge_defects(mesh, make_edge_table(mesh.triangles)).open > 0;
   }
 
   void drop_duplicates() {
