@@ -182,10 +182,10 @@ FunctionMass function_mass(const SplineGrid& grid, const Trimming& trimming, con
     double mass;
   };
   const std::size_t num_active = trimming.active.size();
-  const std::size_t block_size = 4096;
+  const std::size_t block_size = 512;
   std::vector<std::vector<Entry>> parts((num_active + block_size - 1) / block_size);
-  const auto merge = [](std::vector<Entry>& entries) {
-    std::stable_sort(entries.begin(), entries.end(), [](const Entry& x, const Entry& y) { return x.function < y.function; });
+  const auto before = [](const Entry& x, const Entry& y) { return x.function < y.function; };
+  const auto add_equal = [](std::vector<Entry>& entries) {
     std::size_t last = 0;
     for (std::size_t e = 1; e < entries.size(); ++e) {
       if (entries[e].function == entries[last].function)
@@ -227,16 +227,22 @@ FunctionMass function_mass(const SplineGrid& grid, const Trimming& trimming, con
         for (int y = 0; y <= p[1]; ++y)
           for (int x = 0; x <= p[0]; ++x)
             parts[b].push_back({ijk[0] + x + n[0] * (ijk[1] + y + n[1] * (ijk[2] + z)), mass[f++]});
-      if (parts[b].size() > (1u << 19)) merge(parts[b]);
     }
-    merge(parts[b]);
+    std::stable_sort(parts[b].begin(), parts[b].end(), before);
+    add_equal(parts[b]);
   });
-  std::vector<Entry> all;
-  for (auto& part : parts) {
-    all.insert(all.end(), part.begin(), part.end());
-    part = {};
-  }
-  merge(all);
+  // Neighbours are merged two by two, so that the order of the sums does not depend on the number of threads.
+  for (std::size_t step = 1; step < parts.size(); step *= 2)
+    tbb::parallel_for(std::size_t{0}, (parts.size() - 1) / (2 * step) + 1, [&](std::size_t pair) {
+      const std::size_t left = 2 * step * pair, right = left + step;
+      if (right >= parts.size()) return;
+      std::vector<Entry> both(parts[left].size() + parts[right].size());
+      std::merge(parts[left].begin(), parts[left].end(), parts[right].begin(), parts[right].end(), both.begin(), before);
+      add_equal(both);
+      parts[left] = std::move(both);
+      parts[right] = {};
+    });
+  const std::vector<Entry> all = parts.empty() ? std::vector<Entry>() : std::move(parts.front());
 
   // ∫ N over the whole grid is the product of the three univariate integrals.
   std::array<std::vector<double>, 3> whole;

@@ -2,6 +2,8 @@
 // so a line through a closed surface never slips through a seam or counts it twice.
 #include "preprocessor/candidates.hpp"
 
+#include "format/model/vec3.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,6 +14,11 @@ namespace {
 
 // Shorter stretches of a line (relative to the box) are skipped: their points would sit on the surface itself.
 constexpr double shortest_interval = 1e-7;
+// Opposite crossings closer than this are one place within rounding: two bodies touch, or the line grazes a fold.
+constexpr double coincident = 1e-12;
+
+// A line that meets a piece at a smaller angle than this runs along it: where it crosses is mostly rounding.
+constexpr double grazing = 1e-7;
 
 struct EdgePoint {
   double b, a;  // coordinates along b and along the axis
@@ -22,13 +29,28 @@ EdgePoint edge_at(const Point3& low, const Point3& high, std::size_t axis, std::
   return {low[b_axis] + t * (high[b_axis] - low[b_axis]), low[axis] + t * (high[axis] - low[axis])};
 }
 
-Point3 twice_area(const Point3& a, const Point3& b, const Point3& c) {
-  const double x1 = b[0] - a[0], y1 = b[1] - a[1], z1 = b[2] - a[2];
-  const double x2 = c[0] - a[0], y2 = c[1] - a[1], z2 = c[2] - a[2];
-  return {y1 * z2 - z1 * y2, z1 * x2 - x1 * z2, x1 * y2 - y1 * x2};
+// Sorts the crossings of a line and takes out opposite ones that coincide; rounding may have put them in either order.
+template <class Crossing> void sort_and_cancel(std::vector<Crossing>& line) {
+  std::sort(line.begin(), line.end(), [](const Crossing& x, const Crossing& y) { return x.at < y.at; });
+  std::size_t kept = 0;
+  for (const Crossing& crossing : line) {
+    const bool cancels = kept > 0 && line[kept - 1].sign * crossing.sign < 0 && crossing.at - line[kept - 1].at <= coincident;
+    if (cancels)
+      --kept;
+    else
+      line[kept++] = crossing;
+  }
+  line.resize(kept);
 }
 
-double dot(const Point3& a, const Point3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+bool runs_along(std::span<const Point3> v, std::size_t axis) {
+  Point3 n{};
+  for (std::size_t a = 1; a + 1 < v.size(); ++a) {
+    const Point3 m = twice_area(v[0], v[a], v[a + 1]);
+    for (std::size_t d = 0; d < 3; ++d) n[d] += m[d];
+  }
+  return n[axis] * n[axis] < grazing * grazing * dot(n, n);
+}
 
 } // namespace
 
@@ -60,6 +82,7 @@ void LineCaster::cast(std::size_t axis, std::span<const double> bs, std::span<co
       low = std::min(low, x[c_axis]);
       high = std::max(high, x[c_axis]);
     }
+    int along = -1;  // not known yet
     const auto first = std::lower_bound(cs.begin(), cs.end(), low) - cs.begin();
     for (auto j = static_cast<std::size_t>(first); j < cs.size() && cs[j] < high; ++j) {
       // A convex polygon is entered by one rising and left by one falling edge.
@@ -82,14 +105,14 @@ void LineCaster::cast(std::size_t axis, std::span<const double> bs, std::span<co
       const EdgePoint& right = anticlockwise ? up : down;
       const auto begin = std::lower_bound(bs.begin(), bs.end(), left.b) - bs.begin();
       for (auto i = static_cast<std::size_t>(begin); i < bs.size() && bs[i] < right.b; ++i) {
+        if (along < 0) along = runs_along(v, axis);
         const double t = (bs[i] - left.b) / (right.b - left.b);
-        lines_[i + bs.size() * j].push_back(
-            {std::clamp(left.a + t * (right.a - left.a), 0.0, 1.0), anticlockwise ? orientation : -orientation});
+        const int sign = along ? 0 : anticlockwise ? orientation : -orientation;
+        lines_[i + bs.size() * j].push_back({std::clamp(left.a + t * (right.a - left.a), 0.0, 1.0), sign});
       }
     }
   }
-  for (std::size_t l = 0; l < bs.size() * cs.size(); ++l)
-    std::sort(lines_[l].begin(), lines_[l].end(), [](const Crossing& x, const Crossing& y) { return x.at < y.at; });
+  for (std::size_t l = 0; l < bs.size() * cs.size(); ++l) sort_and_cancel(lines_[l]);
 }
 
 void LineCaster::append_candidates(std::size_t axis, std::span<const double> bs, std::span<const double> cs,
@@ -110,10 +133,10 @@ void LineCaster::append_candidates(std::size_t axis, std::span<const double> bs,
           points.insert(points.end(), x.begin(), x.end());
         }
       };
-      auto& line = lines_[i + bs.size() * j];
+      const auto& line = lines_[i + bs.size() * j];
+      const FaceState low = surface_->faces[2 * axis], high = surface_->faces[2 * axis + 1];
       if (line.empty()) {
         bool solid = false;
-        const FaceState low = surface_->faces[2 * axis], high = surface_->faces[2 * axis + 1];
         if (low != FaceState::Crossed || high != FaceState::Crossed) {
           solid = low == FaceState::Full || high == FaceState::Full;
         } else {
@@ -125,11 +148,11 @@ void LineCaster::append_candidates(std::size_t axis, std::span<const double> bs,
         if (solid) fill(0, 1);
         continue;
       }
-      // Sheets that touch may come in either order.
-      for (std::size_t s = 0; s + 1 < line.size(); ++s)
-        if (line[s].at == line[s + 1].at && s > 0 && line[s].sign == line[s - 1].sign) std::swap(line[s], line[s + 1]);
-      bool alternates = true;
-      for (std::size_t s = 0; s + 1 < line.size(); ++s) alternates = alternates && line[s].sign != line[s + 1].sign;
+      bool alternates = line.front().sign != 0;
+      for (std::size_t s = 0; s + 1 < line.size(); ++s) alternates = alternates && line[s].sign == -line[s + 1].sign;
+      // A line that begins or ends on the wrong side of an empty or full face tells nothing.
+      alternates = alternates && low != (line.front().sign > 0 ? FaceState::Empty : FaceState::Full) &&
+                   high != (line.back().sign < 0 ? FaceState::Empty : FaceState::Full);
       if (!alternates) continue;
       if (line.front().sign > 0) fill(0, line.front().at);
       for (std::size_t s = 0; s + 1 < line.size(); ++s)
@@ -138,12 +161,49 @@ void LineCaster::append_candidates(std::size_t axis, std::span<const double> bs,
     }
 }
 
+void LineCaster::append_inward_candidates(int degree, std::size_t max_rays, int points_per_ray, std::vector<double>& points) {
+  const TriangleProductRule<double>& rule = triangle_product_rule<double>(degree);
+  std::size_t num_rays = 0;
+  for (std::size_t q = 0; q < surface_->num_polygons(); ++q)
+    num_rays += (surface_->polygon(q).size() - 2) * rule.weights.size();
+  const std::size_t stride = num_rays / max_rays + 1;  // every so many rays, where there are more than asked for
+  std::size_t ray = 0;
+  for (std::size_t q = 0; q < surface_->num_polygons(); ++q) {
+    const auto v = surface_->polygon(q);
+    for (std::size_t a = 1; a + 1 < v.size(); ++a) {
+      const Point3 n = twice_area(v[0], v[a], v[a + 1]);
+      const double length = std::sqrt(dot(n, n));
+      for (std::size_t k = 0; k < rule.weights.size(); ++k) {
+        if (ray++ % stride != 0 || length == 0) continue;
+        Point3 from;
+        double leave = std::numeric_limits<double>::infinity();  // where the ray leaves the box
+        const Point3 inward{-n[0] / length, -n[1] / length, -n[2] / length};
+        for (std::size_t d = 0; d < 3; ++d) {
+          from[d] = v[0][d] + rule.s[k] * (v[a][d] - v[0][d]) + rule.t[k] * (v[a + 1][d] - v[0][d]);
+          if (inward[d] != 0) leave = std::min(leave, ((inward[d] > 0 ? 1 : 0) - from[d]) / inward[d]);
+        }
+        cast_ray(from, inward);
+        double to = leave;
+        int sign = 1;
+        for (const Crossing& crossing : ray_)
+          if (crossing.at > coincident && crossing.at < to) {
+            to = crossing.at;
+            sign = crossing.sign;
+          }
+        if (sign < 0 || !(to > shortest_interval)) continue;
+        for (double g : gauss_legendre(points_per_ray).nodes)
+          for (std::size_t d = 0; d < 3; ++d) points.push_back(std::clamp(from[d] + g * to * inward[d], 0.0, 1.0));
+      }
+    }
+  }
+}
+
 bool LineCaster::inside(const Point3& x) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::size_t b_axis = axis == 0 ? 1 : 0, c_axis = axis == 2 ? 1 : 2;
     cast(axis, std::span(&x[b_axis], 1), std::span(&x[c_axis], 1));
     const auto& line = lines_[0];
-    if (line.empty()) continue;
+    if (line.empty() || std::any_of(line.begin(), line.end(), [](const Crossing& l) { return l.sign == 0; })) continue;
     for (const Crossing& crossing : line)
       if (crossing.at > x[axis]) return crossing.sign > 0;
     return line.back().sign < 0;
@@ -152,9 +212,8 @@ bool LineCaster::inside(const Point3& x) {
 }
 
 // No axis-parallel line meets the surface: look towards the middle of a piece, the first piece on the way decides.
-bool LineCaster::inside_by_piece(const Point3& x) const {
-  std::size_t target = 0;
-  double largest = 0;
+bool LineCaster::inside_by_piece(const Point3& x) {
+  std::vector<std::pair<double, std::size_t>> targets;  // largest pieces first
   for (std::size_t q = 0; q < surface_->num_polygons(); ++q) {
     const auto v = surface_->polygon(q);
     Point3 n{};
@@ -162,25 +221,29 @@ bool LineCaster::inside_by_piece(const Point3& x) const {
       const Point3 m = twice_area(v[0], v[a], v[a + 1]);
       for (std::size_t d = 0; d < 3; ++d) n[d] += m[d];
     }
-    if (dot(n, n) > largest) {
-      largest = dot(n, n);
-      target = q;
+    targets.emplace_back(-dot(n, n), q);
+  }
+  std::sort(targets.begin(), targets.end());
+  for (const auto& [size, target] : targets) {
+    // Weights without symmetry keep the ray off the corners and edges of regular surfaces.
+    const auto polygon = surface_->polygon(target);
+    Point3 goal{};
+    double total = 0;
+    for (std::size_t a = 0; a < polygon.size(); ++a) {
+      const double w = 1 + 0.137 * static_cast<double>(a) + 0.0713 * static_cast<double>(a * a);
+      total += w;
+      for (std::size_t d = 0; d < 3; ++d) goal[d] += w * polygon[a][d];
     }
+    for (double& g : goal) g /= total;
+    cast_ray(x, {goal[0] - x[0], goal[1] - x[1], goal[2] - x[2]});
+    if (!ray_.empty()) return ray_.front().sign > 0;
   }
-  if (surface_->num_polygons() == 0) return surface_->fraction > 0.5;
-  // Weights without symmetry keep the ray off the corners and edges of regular surfaces.
-  const auto polygon = surface_->polygon(target);
-  Point3 goal{};
-  double total = 0;
-  for (std::size_t a = 0; a < polygon.size(); ++a) {
-    const double w = 1 + 0.137 * static_cast<double>(a) + 0.0713 * static_cast<double>(a * a);
-    total += w;
-    for (std::size_t d = 0; d < 3; ++d) goal[d] += w * polygon[a][d];
-  }
-  for (double& g : goal) g /= total;
-  const Point3 ray{goal[0] - x[0], goal[1] - x[1], goal[2] - x[2]};
-  double nearest = std::numeric_limits<double>::infinity();
-  bool leaving = false;
+  return surface_->fraction > 0.5;
+}
+
+// Crossings of x + t · ray, t > 0, into ray_.
+void LineCaster::cast_ray(const Point3& x, const Point3& ray) {
+  ray_.clear();
   for (std::size_t q = 0; q < surface_->num_polygons(); ++q) {
     const auto v = surface_->polygon(q);
     for (std::size_t a = 1; a + 1 < v.size(); ++a) {
@@ -188,18 +251,17 @@ bool LineCaster::inside_by_piece(const Point3& x) const {
       const double slope = dot(n, ray);
       if (slope == 0) continue;
       const double t = (dot(n, v[0]) - dot(n, x)) / slope;
-      if (t < 0 || t >= nearest) continue;
+      if (t < 0) continue;
       const Point3 hit{x[0] + t * ray[0], x[1] + t * ray[1], x[2] + t * ray[2]};
       constexpr double tolerance = 1e-12;  // an edge counts for both of its triangles
       const double scale = -tolerance * dot(n, n);
       if (dot(n, twice_area(v[0], v[a], hit)) < scale || dot(n, twice_area(v[a], v[a + 1], hit)) < scale ||
           dot(n, twice_area(v[a + 1], v[0], hit)) < scale)
         continue;
-      nearest = t;
-      leaving = slope > 0;
+      ray_.push_back({t, slope > 0 ? 1 : -1});
     }
   }
-  return leaving;
+  sort_and_cancel(ray_);
 }
 
 } // namespace iga::prep

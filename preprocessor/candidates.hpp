@@ -23,20 +23,28 @@ public:
   void append_candidates(std::size_t axis, std::span<const double> b, std::span<const double> c, int points_per_line,
                          int min_points, std::vector<double>& points);
 
+  /// Rays from points of the pieces straight into the solid, up to where they leave it: they find what regular lines
+  /// miss, parts that are thin in two directions. Appends a Gauss rule of `points_per_ray` points a ray.
+  /// @param degree    the rays start at the points of a triangle rule of this degree
+  /// @param max_rays  at most about this many
+  void append_inward_candidates(int degree, std::size_t max_rays, int points_per_ray, std::vector<double>& points);
+
   /// Whether a point not on the surface lies in the solid.
   bool inside(const Point3& x);
 
 private:
   struct Crossing {
     double at;   ///< coordinate along the axis
-    int sign;    ///< +1 where the line leaves the solid in the positive direction
+    int sign;    ///< +1 where the line leaves the solid in the positive direction, 0 where it runs along a piece
   };
   void cast(std::size_t axis, std::span<const double> b, std::span<const double> c);
-  bool inside_by_piece(const Point3& x) const;
+  bool inside_by_piece(const Point3& x);
+  void cast_ray(const Point3& x, const Point3& ray);
 
   const LocalSurface* surface_ = nullptr;
   std::vector<std::vector<Crossing>> lines_;  // of the last cast, b fastest
   std::vector<std::vector<Crossing>> probe_;  // spare, for inside() while lines_ is in use
+  std::vector<Crossing> ray_;                 // of the last cast_ray
 };
 
 } // namespace iga::prep

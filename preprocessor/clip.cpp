@@ -195,11 +195,17 @@ SurfacePieces join(const std::vector<PieceBuffer>& blocks) {
   out.triangle.resize(keys.size());
   out.vertex_offsets.resize(keys.size() + 1);
   out.vertex_offsets[0] = 0;
+  const tbb::blocked_range<std::size_t> all(0, keys.size(), 4096);
+  tbb::parallel_for(all, [&](const auto& range) {
+    for (std::size_t q = range.begin(); q != range.end(); ++q) {
+      const auto& block = blocks[static_cast<std::size_t>(keys[q].block)];
+      const auto piece = static_cast<std::size_t>(keys[q].piece);
+      out.triangle[q] = block.triangle[piece];
+      out.vertex_offsets[q + 1] = block.size[piece];
+    }
+  });
   for (std::size_t q = 0; q < keys.size(); ++q) {
-    const auto& block = blocks[static_cast<std::size_t>(keys[q].block)];
-    const auto piece = static_cast<std::size_t>(keys[q].piece);
-    out.triangle[q] = block.triangle[piece];
-    out.vertex_offsets[q + 1] = out.vertex_offsets[q] + block.size[piece];
+    out.vertex_offsets[q + 1] += out.vertex_offsets[q];
     if (q == 0 || keys[q].span != keys[q - 1].span) {
       out.spans.push_back(keys[q].span);
       out.offsets.push_back(static_cast<std::int64_t>(q));
@@ -207,7 +213,7 @@ SurfacePieces join(const std::vector<PieceBuffer>& blocks) {
   }
   out.offsets.push_back(static_cast<std::int64_t>(keys.size()));
   out.vertices.resize(static_cast<std::size_t>(out.vertex_offsets.back()));
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, keys.size(), 4096), [&](const auto& range) {
+  tbb::parallel_for(all, [&](const auto& range) {
     for (std::size_t q = range.begin(); q != range.end(); ++q) {
       const auto b = static_cast<std::size_t>(keys[q].block);
       const auto piece = static_cast<std::size_t>(keys[q].piece);

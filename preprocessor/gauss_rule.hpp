@@ -1,6 +1,7 @@
 // One-dimensional Gaussian rules on [0, 1], and the polynomials that moments are taken with.
 #pragma once
 
+#include <type_traits>
 #include <vector>
 
 namespace iga::prep {
@@ -27,13 +28,17 @@ template <class T> const TriangleProductRule<T>& triangle_product_rule(int degre
 
 constexpr int max_moment_degree = 8;
 
+/// Constants in the precision of what they multiply: extended sums of thin parts must not see a rounded third.
+template <class T> using ConstantOf = std::conditional_t<std::is_same_v<T, long double>, long double, double>;
+
 /// Legendre polynomials on [0, 1] (|P_a| <= 1, P_a(1) = 1) up to degree q; works on doubles and on vectors of them.
 template <class T> void legendre(const T& x, int q, T* P) {
   P[0] = T{} + 1.0;
   if (q == 0) return;
+  using Constant = ConstantOf<T>;
   const T t = 2.0 * x - 1.0;
   P[1] = t;
-  for (int a = 1; a < q; ++a) P[a + 1] = ((2 * a + 1) * t * P[a] - a * P[a - 1]) * (1.0 / (a + 1));
+  for (int a = 1; a < q; ++a) P[a + 1] = ((2 * a + 1) * t * P[a] - a * P[a - 1]) * (Constant(1) / (a + 1));
 }
 
 /// Their antiderivatives G_a(x) = ∫_0^x P_a; G_0 = x, and G_a(0) = G_a(1) = 0 for a >= 1.
@@ -41,7 +46,7 @@ template <class T> void legendre_integrals(const T& x, int q, T* G) {
   T P[max_moment_degree + 2];
   legendre(x, q + 1, P);
   G[0] = x;
-  for (int a = 1; a <= q; ++a) G[a] = (P[a + 1] - P[a - 1]) * (1.0 / (2 * (2 * a + 1)));
+  for (int a = 1; a <= q; ++a) G[a] = (P[a + 1] - P[a - 1]) * (ConstantOf<T>(1) / (2 * (2 * a + 1)));
 }
 
 } // namespace iga::prep

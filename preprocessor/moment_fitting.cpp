@@ -1,5 +1,7 @@
 #include "preprocessor/moment_fitting.hpp"
 
+#include "format/model/vec3.hpp"
+
 #include <Eigen/QR>
 
 #include <algorithm>
@@ -33,13 +35,10 @@ bool is_prism(const LocalSurface& surface, std::size_t axis) {
     if (on(0) || on(1)) continue;
     Point3 n{};
     for (std::size_t a = 1; a + 1 < v.size(); ++a) {
-      const double x1 = v[a][0] - v[0][0], y1 = v[a][1] - v[0][1], z1 = v[a][2] - v[0][2];
-      const double x2 = v[a + 1][0] - v[0][0], y2 = v[a + 1][1] - v[0][1], z2 = v[a + 1][2] - v[0][2];
-      n[0] += y1 * z2 - z1 * y2;
-      n[1] += z1 * x2 - x1 * z2;
-      n[2] += x1 * y2 - y1 * x2;
+      const Point3 m = twice_area(v[0], v[a], v[a + 1]);
+      for (std::size_t d = 0; d < 3; ++d) n[d] += m[d];
     }
-    if (std::abs(n[axis]) > parallel_defect * std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])) return false;
+    if (std::abs(n[axis]) > parallel_defect * norm(n)) return false;
   }
   return true;
 }
@@ -139,7 +138,7 @@ void shoot(LineCaster& caster, std::size_t axis, int num_lines, int points_per_l
 } // namespace
 
 // First candidates, along the axis that shows the most surface: about twice as many as moments; thin and pointed parts
-// need more lines for that.
+// need more lines for that, needles rays that start at their surface.
 void MomentFitter::shoot_first(int prism_axis, std::size_t num_moments) {
   const int q = std::max({degree_[0], degree_[1], degree_[2]});
   const bool plane = prism_axis >= 0;
@@ -148,11 +147,12 @@ void MomentFitter::shoot_first(int prism_axis, std::size_t num_moments) {
   for (int n = plane ? 2 * q + 3 : q + 2; n <= 8 * (q + 2); n += n / 2) {
     new_points_.clear();
     shoot(caster_, axis, n, q + 2, 2, prism_axis, new_points_);
-    if (new_points_.size() >= 3 * 2 * num_moments) break;
+    if (new_points_.size() >= 3 * 2 * num_moments) return;
   }
+  if (!plane) caster_.append_inward_candidates(2 * q, 2 * num_moments, 3, new_points_);
 }
 
-// Denser candidates along all axes; each level has its own lines.
+// Denser candidates along all axes, and into the solid from its surface; each level has its own lines.
 void MomentFitter::shoot_more(int level, int prism_axis) {
   const int q = std::max({degree_[0], degree_[1], degree_[2]});
   new_points_.clear();
@@ -160,6 +160,7 @@ void MomentFitter::shoot_more(int level, int prism_axis) {
     if (d != prism_axis)
       shoot(caster_, static_cast<std::size_t>(d), (prism_axis >= 0 ? 4 : 1) * (q + 1) + (q + 1) * level + d, q + 2 + level,
             2 + level, prism_axis, new_points_);
+  if (prism_axis < 0) caster_.append_inward_candidates(2 * q + 2 * level, 2 * moments_.size(), 2 + level, new_points_);
 }
 
 // Values of the tensor Legendre basis at points: one column of m entries a point.

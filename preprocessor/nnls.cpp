@@ -183,10 +183,14 @@ Nnls::Status Nnls::solve(double tolerance, int max_steps) {
     for (std::size_t j : refused) blocked_[j] = 0;
     refused.clear();
   };
-  while (steps_ < last_step) {
+  while (true) {
     if (relative_residual() <= tolerance) {
       forgive();
       return Status::Converged;
+    }
+    if (steps_ >= last_step) {
+      forgive();
+      return Status::OutOfSteps;
     }
     const std::size_t j = passive_.size() < m_ ? best_column() : num_columns_;
     if (j == num_columns_) {
@@ -231,8 +235,6 @@ Nnls::Status Nnls::solve(double tolerance, int max_steps) {
     std::copy_n(z_.begin(), passive_.size(), w_.begin());
     if (removed) refresh_residual();
   }
-  forgive();
-  return Status::OutOfSteps;
 }
 
 } // namespace iga::prep

@@ -1,6 +1,7 @@
 #include "preprocessor/node_sets.hpp"
 
 #include "format/model/span_state.hpp"
+#include "format/model/vec3.hpp"
 
 #include <tbb/parallel_for.h>
 
@@ -49,10 +50,6 @@ std::uint8_t label_span(const LatticeNodes& nodes, std::size_t t, std::uint8_t* 
         ++next;
       }
   return next;
-}
-
-Point3 minus(const Point3& a, const Point3& b) {
-  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
 
 // Six times the signed volume of a tetrahedron.

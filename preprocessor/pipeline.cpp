@@ -16,6 +16,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <malloc.h>
 #include <numeric>
 #include <unistd.h>
 
@@ -92,6 +93,11 @@ bool stands_already(const Settings& s, const RunInfo& run) {
 std::string now_utc() {
   const std::time_t now = std::time(nullptr);
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(now));
+}
+
+// A stage's many small buffers stay with the allocator, out of reach of the large arrays of the next stages.
+void return_free_memory() {
+  malloc_trim(0);
 }
 
 void append(std::vector<std::string>& to, const std::vector<std::string>& from) {
@@ -187,6 +193,7 @@ PrepReport make_model(const Settings& s, const RunInfo& run, const PreparedSurfa
   model.length_unit = s.length_unit;
   model.grid = stages.run("grid", [&] { return choose_grid(s, surface.mesh, progress, report); });
   Trimming trimming = stages.run("trim", [&] { return trim(model.grid, surface.mesh, s.trim); });
+  return_free_memory();
   const double mesh_volume = volume_moments(surface.mesh).volume;
   report.trimming_error = std::abs(trimming.exact_volume - mesh_volume) / std::abs(mesh_volume);
   append(report.warnings, judge_trimming(model.grid, trimming, mesh_volume, s.surface.accept_leaks));
@@ -196,6 +203,7 @@ PrepReport make_model(const Settings& s, const RunInfo& run, const PreparedSurfa
 
   QuadratureResult quadrature =
       stages.run("quadrature", [&] { return make_points(s, model.grid, trimming, surface.shape_changed, progress); });
+  return_free_memory();
   report.counts = quadrature.counts;
   model.points = std::move(quadrature.points);
   // Without leaks the two volumes agree to rounding; an accepted leak leaves only the one that the spans hold.
@@ -206,6 +214,7 @@ PrepReport make_model(const Settings& s, const RunInfo& run, const PreparedSurfa
   model.mass_fraction = std::move(mass.mass_fraction);
   model.surface =
       stages.run("surface points", [&] { return make_embedded_surface(model.grid, surface.mesh, trimming); });
+  trimming.pieces = {};
   model.surface.accepted_leak = leaks ? trimming.worst_leak : 0;
   judge_surface_points(model);
   model.state = std::move(trimming.state);

@@ -309,7 +309,7 @@ class Preparation {
       return;
     }
     const Box3& box = shells_.box[static_cast<std::size_t>(doubled.front())];
-    const Point3 middle = vec::add(box.lower, vec::mul(vec::sub(box.upper, box.lower), 0.5));
+    const Point3 middle = plus(box.lower, times(minus(box.upper, box.lower), 0.5));
     const std::string text =
         fmt::format("{} outwards inside another body (first one around {}): its volume would count twice",
                     counted(static_cast<std::int64_t>(doubled.size()), "shell faces", "shells face"), at(middle));

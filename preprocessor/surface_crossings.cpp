@@ -28,8 +28,8 @@ struct Cut {
 Cut cut(const Corners& p, const Point3& on_plane, const Point3& normal, const Point3& direction, const Point3& origin) {
   std::array<double, 3> d{}, s{};
   for (Index i = 0; i < 3; ++i) {
-    d[i] = vec::dot(normal, vec::sub(p[i], on_plane));
-    s[i] = vec::dot(direction, vec::sub(p[i], origin));
+    d[i] = dot(normal, minus(p[i], on_plane));
+    s[i] = dot(direction, minus(p[i], origin));
   }
   Cut out;
   out.reach = std::min(*std::max_element(d.begin(), d.end()), -*std::min_element(d.begin(), d.end()));
@@ -54,35 +54,35 @@ struct Depth {
 double covered_area(const Facet& a, const Facet& b, Point3& middle) {
   std::vector<Point3> polygon(a.p.begin(), a.p.end()), next;
   for (Index e = 0; e < 3 && !polygon.empty(); ++e) {
-    const Point3 inward = vec::cross(b.normal, vec::sub(b.p[(e + 1) % 3], b.p[e]));
+    const Point3 inward = cross(b.normal, minus(b.p[(e + 1) % 3], b.p[e]));
     next.clear();
     for (Index i = 0; i < polygon.size(); ++i) {
       const Point3& x = polygon[i];
       const Point3& y = polygon[(i + 1) % polygon.size()];
-      const double dx = vec::dot(inward, vec::sub(x, b.p[e])), dy = vec::dot(inward, vec::sub(y, b.p[e]));
+      const double dx = dot(inward, minus(x, b.p[e])), dy = dot(inward, minus(y, b.p[e]));
       if (dx >= 0) next.push_back(x);
-      if ((dx >= 0) != (dy >= 0)) next.push_back(vec::add(x, vec::mul(vec::sub(y, x), dx / (dx - dy))));
+      if ((dx >= 0) != (dy >= 0)) next.push_back(plus(x, times(minus(y, x), dx / (dx - dy))));
     }
     polygon.swap(next);
   }
   if (polygon.size() < 3) return 0;
   Point3 sum{};
   for (Index i = 1; i + 1 < polygon.size(); ++i)
-    sum = vec::add(sum, vec::cross(vec::sub(polygon[i], polygon[0]), vec::sub(polygon[i + 1], polygon[0])));
-  middle = vec::add(polygon[0], vec::mul(vec::sub(polygon[polygon.size() / 2], polygon[0]), 0.5));
-  return 0.5 * vec::norm(sum);
+    sum = plus(sum, cross(minus(polygon[i], polygon[0]), minus(polygon[i + 1], polygon[0])));
+  middle = plus(polygon[0], times(minus(polygon[polygon.size() / 2], polygon[0]), 0.5));
+  return 0.5 * norm(sum);
 }
 
 double longest_side(const Corners& p) {
-  return std::max({vec::norm(vec::sub(p[1], p[0])), vec::norm(vec::sub(p[2], p[1])), vec::norm(vec::sub(p[0], p[2]))});
+  return std::max({norm(minus(p[1], p[0])), norm(minus(p[2], p[1])), norm(minus(p[0], p[2]))});
 }
 
 /// How deep two facets cross; 0 where they only touch.
 Depth crossing_depth(const Facet& a, const Facet& b, double tolerance) {
-  const Point3 across = vec::cross(a.normal, b.normal);
-  const double sine = vec::norm(across);
+  const Point3 across = cross(a.normal, b.normal);
+  const double sine = norm(across);
   if (sine > 0) {
-    const Point3 direction = vec::mul(across, 1 / sine);
+    const Point3 direction = times(across, 1 / sine);
     const Cut ca = cut(a.p, b.p[0], b.normal, direction, a.p[0]);
     if (ca.reach > tolerance) {
       const Cut cb = cut(b.p, a.p[0], a.normal, direction, a.p[0]);
@@ -90,15 +90,15 @@ Depth crossing_depth(const Facet& a, const Facet& b, double tolerance) {
       const double depth = std::min({ca.reach, cb.reach, last - first});
       if (depth <= tolerance) return {};
       // From a's first corner within a's plane to the common line, then along it.
-      const Point3 towards = vec::mul(vec::cross(a.normal, direction), -1);
-      const double off = vec::dot(b.normal, vec::sub(b.p[0], a.p[0])) / vec::dot(b.normal, towards);
-      const Point3 on_line = vec::add(a.p[0], vec::mul(towards, off));
-      return {depth, vec::add(on_line, vec::mul(direction, 0.5 * (first + last)))};
+      const Point3 towards = times(cross(a.normal, direction), -1);
+      const double off = dot(b.normal, minus(b.p[0], a.p[0])) / dot(b.normal, towards);
+      const Point3 on_line = plus(a.p[0], times(towards, off));
+      return {depth, plus(on_line, times(direction, 0.5 * (first + last)))};
     }
   }
   double apart = 0;
-  for (const Point3& x : a.p) apart = std::max(apart, std::abs(vec::dot(b.normal, vec::sub(x, b.p[0]))));
-  if (apart > tolerance || vec::dot(a.normal, b.normal) <= 0) return {};
+  for (const Point3& x : a.p) apart = std::max(apart, std::abs(dot(b.normal, minus(x, b.p[0]))));
+  if (apart > tolerance || dot(a.normal, b.normal) <= 0) return {};
   Point3 middle{};
   const double width = covered_area(a, b, middle) / std::min(longest_side(a.p), longest_side(b.p));
   return width > tolerance ? Depth{width, middle} : Depth{};
@@ -121,16 +121,16 @@ Crossings find_crossings(const TriangleMesh& mesh, const Shells& shells, double 
   using Box = CGAL::Box_intersection_d::Box_with_info_d<double, 3, std::int32_t>;
   const Index n = mesh.triangles.size();
   const Box3 whole = bounding_box(mesh);
-  const Point3 centre = vec::add(whole.lower, vec::mul(vec::sub(whole.upper, whole.lower), 0.5));
+  const Point3 centre = plus(whole.lower, times(minus(whole.upper, whole.lower), 0.5));
   std::vector<Facet> facets(n);
   std::vector<Box> boxes;
   boxes.reserve(n);
   for (Index t = 0; t < n; ++t) {
     Facet& f = facets[t];
-    for (Index i = 0; i < 3; ++i) f.p[i] = vec::sub(corner(mesh, t, i), centre);
-    const Point3 area = vec::cross(vec::sub(f.p[1], f.p[0]), vec::sub(f.p[2], f.p[0]));
-    const double length = vec::norm(area);
-    f.normal = length > 0 ? vec::mul(area, 1 / length) : Point3{};
+    for (Index i = 0; i < 3; ++i) f.p[i] = minus(corner(mesh, t, i), centre);
+    const Point3 area = cross(minus(f.p[1], f.p[0]), minus(f.p[2], f.p[0]));
+    const double length = norm(area);
+    f.normal = length > 0 ? times(area, 1 / length) : Point3{};
     if (length == 0) continue;
     Point3 lower = f.p[0], upper = f.p[0];
     for (const Point3& x : f.p)
@@ -164,7 +164,7 @@ Crossings find_crossings(const TriangleMesh& mesh, const Shells& shells, double 
     if (owners.first != owners.second) out.shells.push_back(owners);
     if (depths[i].depth > out.depth) {
       out.depth = depths[i].depth;
-      out.where = vec::add(depths[i].where, centre);
+      out.where = plus(depths[i].where, centre);
     }
   }
   make_distinct(out.shells);

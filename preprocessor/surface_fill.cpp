@@ -60,7 +60,7 @@ std::vector<Loop> hole_loops(const TriangleMesh& mesh) {
 std::vector<Triangle> close_loop(const TriangleMesh& mesh, const Loop& loop, const Point3& centre) {
   std::vector<Kernel::Point_3> points;
   for (std::int32_t v : loop) {
-    const Point3 x = vec::sub(mesh.vertices[static_cast<Index>(v)], centre);
+    const Point3 x = minus(mesh.vertices[static_cast<Index>(v)], centre);
     points.emplace_back(x[0], x[1], x[2]);
   }
   std::vector<CGAL::Triple<int, int, int>> patch;
@@ -87,7 +87,7 @@ Filling fill_holes(Surface& surface) {
   const std::vector<Loop> loops = hole_loops(mesh);
   if (loops.empty()) return out;
   const Box3 box = bounding_box(mesh);
-  const Point3 centre = vec::add(box.lower, vec::mul(vec::sub(box.upper, box.lower), 0.5));
+  const Point3 centre = plus(box.lower, times(minus(box.upper, box.lower), 0.5));
   const std::string name = "repaired";
   auto region = std::find(mesh.region_names.begin(), mesh.region_names.end(), name);
   const auto number = static_cast<std::int32_t>(region - mesh.region_names.begin());
@@ -101,7 +101,7 @@ Filling fill_holes(Surface& surface) {
       mesh.region.push_back(number);
       surface.normals.push_back({});
       ++out.facets;
-      out.area += 0.5 * vec::norm(area_vector(mesh, mesh.triangles.size() - 1));
+      out.area += 0.5 * norm(area_vector(mesh, mesh.triangles.size() - 1));
     }
   }
   return out;

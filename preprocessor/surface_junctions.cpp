@@ -35,16 +35,16 @@ std::vector<std::int32_t> open_vertices(const TriangleMesh& mesh, const EdgeTabl
 std::vector<std::int32_t> vertices_on(const TriangleMesh& mesh, const std::vector<std::int32_t>& vertices,
                                       const Triangle& facet, std::int32_t a, std::int32_t b, double tolerance) {
   const auto position = [&](std::int32_t v) -> const Point3& { return mesh.vertices[static_cast<std::size_t>(v)]; };
-  const Point3 &xa = position(a), &xb = position(b), ab = vec::sub(xb, xa);
-  const double length2 = vec::dot(ab, ab), near = std::min(tolerance, max_bend * std::sqrt(length2));
+  const Point3 &xa = position(a), &xb = position(b), ab = minus(xb, xa);
+  const double length2 = dot(ab, ab), near = std::min(tolerance, max_bend * std::sqrt(length2));
   std::vector<std::pair<double, std::int32_t>> found;
   auto v = std::lower_bound(vertices.begin(), vertices.end(), std::min(xa[0], xb[0]) - tolerance,
                             [&](std::int32_t w, double x) { return position(w)[0] < x; });
   for (; v != vertices.end() && position(*v)[0] <= std::max(xa[0], xb[0]) + tolerance; ++v) {
     if (std::find(facet.begin(), facet.end(), *v) != facet.end()) continue;
-    const Point3 ax = vec::sub(position(*v), xa);
-    const double t = vec::dot(ax, ab) / length2;
-    if (!(t > 0 && t < 1) || vec::norm(vec::sub(ax, vec::mul(ab, t))) > near) continue;
+    const Point3 ax = minus(position(*v), xa);
+    const double t = dot(ax, ab) / length2;
+    if (!(t > 0 && t < 1) || norm(minus(ax, times(ab, t))) > near) continue;
     found.emplace_back(t, *v);
   }
   std::sort(found.begin(), found.end());

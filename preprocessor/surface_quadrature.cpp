@@ -3,6 +3,7 @@
 #include "preprocessor/surface_quadrature.hpp"
 
 #include "format/model/errors.hpp"
+#include "format/model/vec3.hpp"
 #include "preprocessor/gauss_rule.hpp"
 #include "preprocessor/span_owner.hpp"
 #include "preprocessor/triangle_rule.hpp"
@@ -21,18 +22,6 @@ namespace {
 constexpr double negligible_share = 1e-15;
 
 constexpr std::size_t pieces_per_task = 2048;
-
-Point3 cross(const Point3& a, const Point3& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-double dot(const Point3& a, const Point3& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-Point3 minus(const Point3& a, const Point3& b) {
-  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
 
 // A direction in space seen from the grid's axes.
 Point3 to_grid_frame(const Rotation& R, const Point3& v) {

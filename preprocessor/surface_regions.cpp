@@ -1,5 +1,6 @@
 #include "preprocessor/surface_regions.hpp"
 
+#include "preprocessor/disjoint_sets.hpp"
 #include "preprocessor/surface_topology.hpp"
 
 #include <algorithm>
@@ -13,15 +14,6 @@ namespace iga::prep {
 namespace {
 
 using Index = std::size_t;
-
-std::int32_t find_root(std::vector<std::int32_t>& parent, std::int32_t v) {
-  while (parent[static_cast<Index>(v)] != v) {
-    auto& p = parent[static_cast<Index>(v)];
-    p = parent[static_cast<Index>(p)];
-    v = p;
-  }
-  return v;
-}
 
 } // namespace
 
@@ -38,8 +30,8 @@ void split_regions(TriangleMesh& mesh, double degrees) {
     if (mesh.region[a] != mesh.region[b]) continue;
     const Point3 na = area_vector(mesh, a), nb = area_vector(mesh, b);
     // A facet without area has no direction: it parts nothing.
-    const double angle = std::atan2(vec::norm(vec::cross(na, nb)), vec::dot(na, nb));
-    if (angle > limit && vec::norm(na) > 0 && vec::norm(nb) > 0) continue;
+    const double angle = std::atan2(norm(cross(na, nb)), dot(na, nb));
+    if (angle > limit && norm(na) > 0 && norm(nb) > 0) continue;
     const std::int32_t ra = find_root(parent, uses[0].triangle), rb = find_root(parent, uses[1].triangle);
     parent[static_cast<Index>(std::max(ra, rb))] = std::min(ra, rb);
   }

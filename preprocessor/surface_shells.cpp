@@ -1,5 +1,7 @@
 #include "preprocessor/surface_shells.hpp"
 
+#include "preprocessor/disjoint_sets.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -14,28 +16,13 @@ namespace {
 
 using Index = std::size_t;
 
-std::int32_t find_root(std::vector<std::int32_t>& parent, std::int32_t v) {
-  while (parent[static_cast<Index>(v)] != v) {
-    auto& p = parent[static_cast<Index>(v)];
-    p = parent[static_cast<Index>(p)];
-    v = p;
-  }
-  return v;
-}
-
-void unite(std::vector<std::int32_t>& parent, std::int32_t a, std::int32_t b) {
-  a = find_root(parent, a);
-  b = find_root(parent, b);
-  parent[static_cast<Index>(std::max(a, b))] = std::min(a, b);
-}
-
 /// Facets joined across two-facet edges; the root is the smallest facet.
 std::vector<std::int32_t> manifold_patches(Index num_triangles, const EdgeTable& edges) {
   std::vector<std::int32_t> parent(num_triangles);
   std::iota(parent.begin(), parent.end(), 0);
   for (Index e = 0; e < edges.num_edges(); ++e) {
     const auto uses = edges.edge(e);
-    if (uses.size() == 2) unite(parent, uses[0].triangle, uses[1].triangle);
+    if (uses.size() == 2) join_sets(parent, uses[0].triangle, uses[1].triangle);
   }
   for (Index t = 0; t < num_triangles; ++t) parent[t] = find_root(parent, static_cast<std::int32_t>(t));
   return parent;
@@ -45,8 +32,8 @@ double signed_volume(const TriangleMesh& mesh, std::span<const std::int32_t> fac
   double sum = 0;
   for (std::int32_t f : facets) {
     const auto t = static_cast<Index>(f);
-    const Point3 a = vec::sub(corner(mesh, t, 0), origin), b = vec::sub(corner(mesh, t, 1), origin);
-    sum += vec::dot(a, vec::cross(b, vec::sub(corner(mesh, t, 2), origin)));
+    const Point3 a = minus(corner(mesh, t, 0), origin), b = minus(corner(mesh, t, 1), origin);
+    sum += dot(a, cross(b, minus(corner(mesh, t, 2), origin)));
   }
   return sum / 6;
 }
@@ -183,7 +170,7 @@ Shells find_shells(const TriangleMesh& mesh) {
         if (find_root(parent, w.triangle) == find_root(parent, u.triangle)) sum += w.forward ? 1 : -1;
       if (sum != 0) loose.push_back(u.triangle);
     }
-    for (std::int32_t t : loose) unite(parent, loose.front(), t);
+    for (std::int32_t t : loose) join_sets(parent, loose.front(), t);
   }
   Shells out;
   out.shell.assign(n, -1);
@@ -202,14 +189,14 @@ Shells find_shells(const TriangleMesh& mesh) {
     double area = 0;
     for (std::int32_t f : facets) {
       const auto t = static_cast<Index>(f);
-      area += 0.5 * vec::norm(area_vector(mesh, t));
+      area += 0.5 * norm(area_vector(mesh, t));
       for (Index i = 0; i < 3; ++i)
         for (Index d = 0; d < 3; ++d) {
           box.lower[d] = std::min(box.lower[d], corner(mesh, t, i)[d]);
           box.upper[d] = std::max(box.upper[d], corner(mesh, t, i)[d]);
         }
     }
-    const Point3 centre = vec::add(box.lower, vec::mul(vec::sub(box.upper, box.lower), 0.5));
+    const Point3 centre = plus(box.lower, times(minus(box.upper, box.lower), 0.5));
     out.box.push_back(box);
     out.area.push_back(area);
     out.volume.push_back(signed_volume(mesh, facets, centre));
@@ -221,11 +208,11 @@ double winding_number(const TriangleMesh& mesh, std::span<const std::int32_t> fa
   double sum = 0;
   for (std::int32_t f : facets) {
     const auto t = static_cast<Index>(f);
-    const Point3 a = vec::sub(corner(mesh, t, 0), x), b = vec::sub(corner(mesh, t, 1), x),
-                 c = vec::sub(corner(mesh, t, 2), x);
-    const double la = vec::norm(a), lb = vec::norm(b), lc = vec::norm(c);
-    const double up = vec::dot(a, vec::cross(b, c));
-    const double down = la * lb * lc + vec::dot(a, b) * lc + vec::dot(c, a) * lb + vec::dot(b, c) * la;
+    const Point3 a = minus(corner(mesh, t, 0), x), b = minus(corner(mesh, t, 1), x),
+                 c = minus(corner(mesh, t, 2), x);
+    const double la = norm(a), lb = norm(b), lc = norm(c);
+    const double up = dot(a, cross(b, c));
+    const double down = la * lb * lc + dot(a, b) * lc + dot(c, a) * lb + dot(b, c) * la;
     if (up != 0 || down != 0) sum += std::atan2(up, down);
   }
   return sum / (2 * std::numbers::pi);
@@ -244,11 +231,11 @@ namespace {
 Point3 point_below(const TriangleMesh& mesh, const Shells& shells, Index shell, Index t, double depth) {
   const Point3& x = corner(mesh, t, 0);
   const Point3 middle =
-      vec::add(x, vec::mul(vec::add(vec::sub(corner(mesh, t, 1), x), vec::sub(corner(mesh, t, 2), x)), 1.0 / 3));
+      plus(x, times(plus(minus(corner(mesh, t, 1), x), minus(corner(mesh, t, 2), x)), 1.0 / 3));
   const Point3 normal = area_vector(mesh, t);
-  const double length = vec::norm(normal);
+  const double length = norm(normal);
   if (length == 0) return middle;
-  return vec::add(middle, vec::mul(normal, (shells.volume[shell] > 0 ? -depth : depth) / length));
+  return plus(middle, times(normal, (shells.volume[shell] > 0 ? -depth : depth) / length));
 }
 
 enum class Side { Out, On, In };
@@ -284,10 +271,10 @@ double normal_agreement(const Surface& surface, const std::vector<std::int32_t>&
   for (std::int32_t f : facets) {
     const auto t = static_cast<Index>(f);
     const Point3 a = area_vector(surface.mesh, t);
-    const double along = vec::dot(a, surface.normals[t]);
+    const double along = dot(a, surface.normals[t]);
     if (along == 0) continue;
-    agree += along > 0 ? vec::norm(a) : -vec::norm(a);
-    total += vec::norm(a);
+    agree += along > 0 ? norm(a) : -norm(a);
+    total += norm(a);
   }
   return total > 0 ? agree / total : 0;
 }

@@ -48,14 +48,14 @@ class Clusters {
     const auto keep = static_cast<Index>(std::min(a, b)), gone = static_cast<Index>(std::max(a, b));
     parent_[gone] = static_cast<std::int32_t>(keep);
     count_[keep] += count_[gone];
-    sum_[keep] = vec::add(sum_[keep], sum_[gone]);
+    sum_[keep] = plus(sum_[keep], sum_[gone]);
     facets_[keep].insert(facets_[keep].end(), facets_[gone].begin(), facets_[gone].end());
     facets_[gone].clear();
     ++joined_;
   }
 
   Point3 middle(std::int32_t root) const {
-    return vec::mul(sum_[static_cast<Index>(root)], 1.0 / count_[static_cast<Index>(root)]);
+    return times(sum_[static_cast<Index>(root)], 1.0 / count_[static_cast<Index>(root)]);
   }
   bool is_joined(std::int32_t root) const { return count_[static_cast<Index>(root)] > 1; }
   std::int64_t joined() const { return joined_; }
@@ -85,7 +85,7 @@ std::vector<OpenEdge> open_edges(const TriangleMesh& mesh) {
     const std::int32_t a = forward ? uses[0].lo : uses[0].hi, b = forward ? uses[0].hi : uses[0].lo;
     const Point3& x = mesh.vertices[static_cast<Index>(a)];
     const Point3& y = mesh.vertices[static_cast<Index>(b)];
-    out.push_back({a, b, vec::add(x, vec::mul(vec::sub(y, x), 0.5)), vec::norm(vec::sub(y, x))});
+    out.push_back({a, b, plus(x, times(minus(y, x), 0.5)), norm(minus(y, x))});
   }
   return out;
 }
@@ -111,7 +111,7 @@ std::vector<Match> find_matches(const TriangleMesh& mesh, const std::vector<Open
   const Point3 base = bounding_box(mesh).lower;
   std::unordered_map<Cell, std::vector<Index>, CellHash> cells;
   const auto apart = [&](std::int32_t a, std::int32_t b) {
-    return vec::norm(vec::sub(mesh.vertices[static_cast<Index>(a)], mesh.vertices[static_cast<Index>(b)]));
+    return norm(minus(mesh.vertices[static_cast<Index>(a)], mesh.vertices[static_cast<Index>(b)]));
   };
   std::vector<Match> out;
   for (Index e = 0; e < edges.size(); ++e) {

@@ -8,12 +8,6 @@
 
 namespace iga::prep {
 
-namespace vec {
-double norm(const Point3& a) {
-  return std::sqrt(dot(a, a));
-}
-} // namespace vec
-
 EdgeTable make_edge_table(std::span<const Triangle> triangles) {
   // Counting sort by the smaller vertex; the short rows are sorted by the larger one. Triangles come in order.
   std::int32_t last = -1;
@@ -61,7 +55,7 @@ EdgeDefects find_edge_defects(const TriangleMesh& mesh, const EdgeTable& edges) 
     const auto middle = [&] {
       const Point3& a = mesh.vertices[static_cast<std::size_t>(uses[0].lo)];
       const Point3& b = mesh.vertices[static_cast<std::size_t>(uses[0].hi)];
-      return vec::add(a, vec::mul(vec::sub(b, a), 0.5));
+      return plus(a, times(minus(b, a), 0.5));
     };
     if (uses.size() > 2) ++out.non_manifold;
     if (uses.size() % 2 == 1) {
@@ -111,12 +105,12 @@ void turn_triangle(Surface& surface, std::size_t t) {
 }
 
 double diagonal(const Box3& box) {
-  return vec::norm(vec::sub(box.upper, box.lower));
+  return norm(minus(box.upper, box.lower));
 }
 
 Point3 area_vector(const TriangleMesh& mesh, std::size_t t) {
   const Point3& a = corner(mesh, t, 0);
-  return vec::cross(vec::sub(corner(mesh, t, 1), a), vec::sub(corner(mesh, t, 2), a));
+  return cross(minus(corner(mesh, t, 1), a), minus(corner(mesh, t, 2), a));
 }
 
 } // namespace iga::prep

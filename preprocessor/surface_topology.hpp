@@ -2,6 +2,7 @@
 #pragma once
 
 #include "format/model/triangle_mesh.hpp"
+#include "format/model/vec3.hpp"
 
 #include <cstdint>
 #include <span>
@@ -61,25 +62,6 @@ void turn_triangle(Surface& surface, std::size_t t);
 
 /// Length of the bounding box's diagonal.
 double diagonal(const Box3& box);
-
-namespace vec {
-inline Point3 sub(const Point3& a, const Point3& b) {
-  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-inline Point3 add(const Point3& a, const Point3& b) {
-  return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
-}
-inline Point3 mul(const Point3& a, double s) {
-  return {a[0] * s, a[1] * s, a[2] * s};
-}
-inline double dot(const Point3& a, const Point3& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-inline Point3 cross(const Point3& a, const Point3& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-double norm(const Point3& a);
-} // namespace vec
 
 /// Corner i of facet t.
 inline const Point3& corner(const TriangleMesh& mesh, std::size_t t, std::size_t i) {

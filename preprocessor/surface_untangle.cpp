@@ -53,7 +53,7 @@ bool is_boundary(const TriangleMesh& mesh, const std::vector<std::int32_t>& all,
   others.reserve(all.size());
   std::set_difference(all.begin(), all.end(), sheet.members.begin(), sheet.members.end(), std::back_inserter(others));
   Point3 x{};
-  for (Index i = 0; i < 3; ++i) x = vec::add(x, vec::mul(corner(mesh, sheet.facet, i), 1.0 / 3));
+  for (Index i = 0; i < 3; ++i) x = plus(x, times(corner(mesh, sheet.facet, i), 1.0 / 3));
   const double outside = std::round(winding_number(mesh, others, x) - 0.5 * sheet.jump);
   return outside < 0.5 && outside + sheet.jump > 0.5;
 }
@@ -76,7 +76,7 @@ std::vector<bool> choose(const TriangleMesh& mesh, const std::vector<Sheet>& she
     if (sheets[a].jump != sheets[b].jump) continue;
     parent[std::max(root(a), root(b))] = std::min(root(a), root(b));
   }
-  const auto size = [&](Index s) { return vec::norm(area_vector(mesh, sheets[s].facet)); };
+  const auto size = [&](Index s) { return norm(area_vector(mesh, sheets[s].facet)); };
   std::vector<Index> largest(sheets.size());
   std::iota(largest.begin(), largest.end(), Index{0});
   for (Index s = 0; s < sheets.size(); ++s)

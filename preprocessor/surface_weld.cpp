@@ -1,5 +1,7 @@
 #include "preprocessor/surface_weld.hpp"
 
+#include "preprocessor/disjoint_sets.hpp"
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -12,15 +14,6 @@ namespace iga::prep {
 namespace {
 
 using Index = std::size_t;
-
-std::int32_t find_root(std::vector<std::int32_t>& parent, std::int32_t v) {
-  while (parent[static_cast<Index>(v)] != v) {
-    auto& p = parent[static_cast<Index>(v)];
-    p = parent[static_cast<Index>(p)];
-    v = p;
-  }
-  return v;
-}
 
 /// Puts every vertex on its root; vertices without facets stay until keep_triangles removes them.
 std::int64_t apply_roots(Surface& surface, std::vector<std::int32_t>& parent) {
@@ -86,7 +79,7 @@ std::vector<std::int32_t> near_roots(const TriangleMesh& mesh, const std::vector
           const auto found = cells.find({i, j, k});
           if (found == cells.end()) continue;
           for (std::int32_t w : found->second) {
-            if (vec::norm(vec::sub(mesh.vertices[static_cast<Index>(w)], x)) > tolerance) continue;
+            if (norm(minus(mesh.vertices[static_cast<Index>(w)], x)) > tolerance) continue;
             const std::int32_t a = find_root(parent, v), b = find_root(parent, w);
             parent[static_cast<Index>(std::max(a, b))] = std::min(a, b);
           }
@@ -298,7 +291,7 @@ std::int64_t count_needle_facets(const TriangleMesh& mesh) {
   const double diag = diagonal(bounding_box(mesh));
   std::int64_t count = 0;
   for (Index t = 0; t < mesh.triangles.size(); ++t)
-    if (0.5 * vec::norm(area_vector(mesh, t)) < 1e-14 * diag * diag) ++count;
+    if (0.5 * norm(area_vector(mesh, t)) < 1e-14 * diag * diag) ++count;
   return count;
 }
 

@@ -22,10 +22,10 @@ using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
 
 TriangleMesh wrap_surface(const TriangleMesh& mesh, double alpha, double offset) {
   const Box3 box = bounding_box(mesh);
-  const Point3 centre = vec::add(box.lower, vec::mul(vec::sub(box.upper, box.lower), 0.5));
+  const Point3 centre = plus(box.lower, times(minus(box.upper, box.lower), 0.5));
   std::vector<Kernel::Point_3> points;
   for (const Point3& v : mesh.vertices) {
-    const Point3 x = vec::sub(v, centre);
+    const Point3 x = minus(v, centre);
     points.emplace_back(x[0], x[1], x[2]);
   }
   std::vector<std::array<std::size_t, 3>> faces;
@@ -47,7 +47,7 @@ TriangleMesh wrap_surface(const TriangleMesh& mesh, double alpha, double offset)
   out.region_names = mesh.region_names;
   for (auto v : wrap.vertices()) {
     const auto& p = wrap.point(v);
-    out.vertices.push_back(vec::add({p.x(), p.y(), p.z()}, centre));
+    out.vertices.push_back(plus({p.x(), p.y(), p.z()}, centre));
   }
   const Tree tree(facets.begin(), facets.end());
   for (auto f : wrap.faces()) {

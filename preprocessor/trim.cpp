@@ -4,6 +4,7 @@
 #include "preprocessor/trim.hpp"
 
 #include "format/model/span_state.hpp"
+#include "format/model/vec3.hpp"
 
 #include <tbb/parallel_for.h>
 
@@ -26,13 +27,6 @@ struct OwnMoments {
   std::array<bool, 6> touches{};  ///< a piece that is not flat on a lower face reaches this face of the span
   bool sliver = true;  ///< every piece stays close to a face
 };
-
-// Area vector of a convex polygon times 2, relative to its first vertex.
-Point3 twice_area(const Point3& a, const Point3& b, const Point3& c) {
-  const double x1 = b[0] - a[0], y1 = b[1] - a[1], z1 = b[2] - a[2];
-  const double x2 = c[0] - a[0], y2 = c[1] - a[1], z2 = c[2] - a[2];
-  return {y1 * z2 - z1 * y2, z1 * x2 - x1 * z2, x1 * y2 - y1 * x2};
-}
 
 OwnMoments own_moments(const SurfacePieces& pieces, std::int64_t first, std::int64_t last, const Point3& corner,
                        double sliver_tolerance) {
@@ -79,8 +73,12 @@ struct Row {
 
 std::vector<Row> find_rows(const SurfacePieces& pieces, std::int64_t num_u) {
   std::vector<Row> rows;
+  std::int64_t row_end = 0;  // first span behind the row
   for (std::size_t t = 0; t < pieces.spans.size(); ++t) {
-    if (t == 0 || pieces.spans[t] / num_u != pieces.spans[t - 1] / num_u) rows.push_back({t, t});
+    if (pieces.spans[t] >= row_end) {
+      rows.push_back({t, t});
+      row_end = (pieces.spans[t] / num_u + 1) * num_u;
+    }
     rows.back().last = t + 1;
   }
   return rows;

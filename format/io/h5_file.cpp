@@ -1,5 +1,6 @@
 #include "format/io/h5_file.hpp"
 
+#include "format/io/chunk_filter.hpp"
 #include "format/io/utf8.hpp"
 #include "format/model/errors.hpp"
 
@@ -10,6 +11,7 @@
 #include <fmt/ranges.h>
 #include <hdf5.h>
 #include <sys/mman.h>
+#include <tbb/parallel_for.h>
 #include <unistd.h>
 
 static_assert(sizeof(hid_t) == sizeof(std::int64_t));
@@ -28,7 +30,8 @@ namespace {
 
 constexpr std::int64_t compress_above = 64 * 1024; // bytes
 constexpr std::int64_t chunk_bytes = 1024 * 1024;
-constexpr unsigned gzip_level = 1; // on doubles higher levels cost much more time than they save space
+constexpr unsigned gzip_level = 1;          // as named in the file; see chunk_filter.hpp
+constexpr std::int64_t chunks_at_once = 32; // packed in parallel, then written in order
 // Deflate cannot shrink data by more than this factor, so a dataset that claims more was never written.
 constexpr std::int64_t largest_compression = 1032;
 
@@ -104,6 +107,10 @@ Shape chunk_shape(Shape shape, std::size_t element_size) {
     if (rest <= chunk_bytes) break;
   }
   return shape;
+}
+
+bool is_compressed(const Shape& shape, std::size_t element_size) {
+  return product(shape) * static_cast<std::int64_t>(element_size) > compress_above;
 }
 
 std::vector<hsize_t> extents(const Shape& shape) {
@@ -249,7 +256,7 @@ H5Id H5Writer::create_dataset(const DatasetText& text, std::int64_t type, std::s
   const H5Id create = property_id(H5Pcreate(H5P_DATASET_CREATE));
   const auto chunk = extents(chunk_shape(shape, element_size));
   H5Pset_chunk(create.get(), static_cast<int>(chunk.size()), chunk.data());
-  if (product(shape) * static_cast<std::int64_t>(element_size) > compress_above) {
+  if (is_compressed(shape, element_size)) {
     H5Pset_shuffle(create.get());
     H5Pset_deflate(create.get(), gzip_level);
   }
@@ -268,9 +275,10 @@ template <class T> void H5Writer::dataset(const DatasetText& text, const Shape& 
   if (product(shape) != static_cast<std::int64_t>(values.size()))
     throw std::logic_error(fmt::format("{}: {} values for shape {}", text.path, values.size(), to_text(shape)));
   const H5Id dataset = create_dataset(text, ElementType<T>::file(), sizeof(T), shape);
-  if (!values.empty() &&
-      H5Dwrite(dataset.get(), ElementType<T>::memory(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
-    fail(fmt::format("dataset {} cannot be written", text.path));
+  write_chunks(text, dataset, sizeof(T), shape,
+               [bytes = std::as_bytes(values)](std::size_t first, std::span<std::byte> out) {
+                 std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(first), out.size(), out.begin());
+               });
 }
 template void H5Writer::dataset(const DatasetText&, const Shape&, std::span<const double>);
 template void H5Writer::dataset(const DatasetText&, const Shape&, std::span<const std::int64_t>);
@@ -282,8 +290,9 @@ void H5Writer::enums(const DatasetText& text, const Shape& shape, std::span<cons
     throw std::logic_error(fmt::format("{}: {} values for shape {}", text.path, values.size(), to_text(shape)));
   const H5Id type = enum_type(names);
   const H5Id dataset = create_dataset(text, type.get(), 1, shape);
-  if (H5Dwrite(dataset.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
-    fail(fmt::format("dataset {} cannot be written", text.path));
+  write_chunks(text, dataset, 1, shape, [bytes = std::as_bytes(values)](std::size_t first, std::span<std::byte> out) {
+    std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(first), out.size(), out.begin());
+  });
 }
 
 void H5Writer::strings(const DatasetText& text, const std::vector<std::string>& values) {
@@ -298,18 +307,48 @@ void H5Writer::rows(const DatasetText& text, std::int64_t rows, std::int64_t col
                     const std::function<void(std::int64_t, std::span<double>)>& fill) {
   const Shape shape{rows, columns};
   const H5Id dataset = create_dataset(text, H5T_IEEE_F64LE, sizeof(double), shape);
-  const H5Id space = simple_space(shape);
-  const std::int64_t step = chunk_shape(shape, sizeof(double))[0];
-  std::vector<double> block(static_cast<std::size_t>(step * columns));
-  for (std::int64_t first = 0; first < rows; first += step) {
-    const std::int64_t count = std::min(step, rows - first);
-    const std::span<double> part(block.data(), static_cast<std::size_t>(count * columns));
-    fill(first, part);
-    const auto start = extents({first, 0}), size = extents({count, columns});
-    H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start.data(), nullptr, size.data(), nullptr);
-    const H5Id memory = space_id(H5Screate_simple(2, size.data(), nullptr));
-    if (H5Dwrite(dataset.get(), H5T_NATIVE_DOUBLE, memory.get(), space.get(), H5P_DEFAULT, part.data()) < 0)
-      fail(fmt::format("dataset {} cannot be written", text.path));
+  const std::size_t row_bytes = static_cast<std::size_t>(columns) * sizeof(double);
+  write_chunks(text, dataset, sizeof(double), shape, [&](std::size_t first, std::span<std::byte> out) {
+    std::vector<double> block(out.size() / sizeof(double));
+    fill(static_cast<std::int64_t>(first / row_bytes), block);
+    std::memcpy(out.data(), block.data(), out.size());
+  });
+}
+
+// A chunk is whole along all but one index and 1 along those before it (see chunk_shape): its bytes follow one another
+// in the array. The array's last chunk along that index may reach beyond it and is filled up with zeros. Numbers lie in
+// memory as in the file: both are little-endian.
+void H5Writer::write_chunks(const DatasetText& text, const H5Id& dataset, std::size_t element_size, const Shape& shape,
+                            const std::function<void(std::size_t first_byte, std::span<std::byte>)>& copy) {
+  if (product(shape) == 0) return;
+  const Shape chunk = chunk_shape(shape, element_size);
+  std::size_t split = 0;
+  while (split + 1 < shape.size() && chunk[split] == 1) ++split;
+  const std::int64_t row = product(chunk) / chunk[split] * static_cast<std::int64_t>(element_size); // bytes
+  const std::int64_t per_slice = (shape[split] + chunk[split] - 1) / chunk[split];
+  const std::int64_t slices = product({shape.begin(), shape.begin() + static_cast<std::ptrdiff_t>(split)});
+  const bool compress = is_compressed(shape, element_size);
+
+  std::vector<std::vector<std::byte>> packed(static_cast<std::size_t>(chunks_at_once));
+  for (std::int64_t first = 0; first < slices * per_slice; first += chunks_at_once) {
+    const std::int64_t count = std::min(chunks_at_once, slices * per_slice - first);
+    tbb::parallel_for(std::int64_t{0}, count, [&](std::int64_t q) {
+      const std::int64_t slice = (first + q) / per_slice, start = (first + q) % per_slice * chunk[split];
+      const std::int64_t rows = std::min(chunk[split], shape[split] - start);
+      std::vector<std::byte> bytes(static_cast<std::size_t>(chunk[split] * row));
+      copy(static_cast<std::size_t>((slice * shape[split] + start) * row),
+           std::span(bytes).first(static_cast<std::size_t>(rows * row)));
+      packed[static_cast<std::size_t>(q)] = pack_chunk(bytes, element_size, compress);
+    });
+    for (std::int64_t q = 0; q < count; ++q) {
+      std::vector<hsize_t> offset(shape.size(), 0);
+      offset[split] = static_cast<hsize_t>((first + q) % per_slice * chunk[split]);
+      std::int64_t slice = (first + q) / per_slice;
+      for (std::size_t d = split; d-- > 0; slice /= shape[d]) offset[d] = static_cast<hsize_t>(slice % shape[d]);
+      const auto& bytes = packed[static_cast<std::size_t>(q)];
+      if (H5Dwrite_chunk(dataset.get(), H5P_DEFAULT, 0, offset.data(), bytes.size(), bytes.data()) < 0)
+        fail(fmt::format("dataset {} cannot be written", text.path));
+    }
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include "format/io/replace_file.hpp"
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -65,7 +66,7 @@ class H5Writer {
   /// Fixed-length UTF-8; (n) strings.
   void strings(const DatasetText& text, const std::vector<std::string>& values);
   /// (rows × columns) doubles made block by block: `fill(first, block)` sets rows first … first + block.size() /
-  /// columns.
+  /// columns; called from several threads at once.
   void rows(const DatasetText& text, std::int64_t rows, std::int64_t columns,
             const std::function<void(std::int64_t first, std::span<double> block)>& fill);
 
@@ -80,6 +81,8 @@ class H5Writer {
 
  private:
   H5Id create_dataset(const DatasetText& text, std::int64_t type, std::size_t element_size, const Shape& shape);
+  void write_chunks(const DatasetText& text, const H5Id& dataset, std::size_t element_size, const Shape& shape,
+                    const std::function<void(std::size_t first_byte, std::span<std::byte>)>& copy);
   void write_attribute(const char* object, const char* name, std::int64_t type, const Shape* shape, const void* data);
   void write_texts(const char* object, const char* name, const std::vector<std::string>& values, bool scalar);
   [[noreturn]] void fail(std::string_view what);

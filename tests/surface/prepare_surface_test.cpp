@@ -169,7 +169,7 @@ TEST(PrepareSurface, BelievesStoredNormalsOfACavity) {
   ReadMesh input = as_read(cube + box_facets({0.25, 0.25, 0.25}, {0.75, 0.75, 0.75}));
   for (std::size_t t = 0; t < 24; ++t) {
     const Point3 a = area_vector(input.mesh, t);
-    input.facet_normals[t] = vec::mul(a, t < 12 ? 1 : -1);
+    input.facet_normals[t] = times(a, t < 12 ? 1 : -1);
   }
   const PreparedSurface out = prepare_surface(std::move(input), {});
   EXPECT_EQ(out.cavities, 1);
@@ -193,7 +193,7 @@ TEST(PrepareSurface, KeepsRegionsThroughAUnion) {
   const PreparedSurface out = prepare_surface(std::move(input), repairing());
   double area[2] = {0, 0};
   for (std::size_t t = 0; t < out.mesh.triangles.size(); ++t)
-    area[out.mesh.region[t]] += 0.5 * vec::norm(area_vector(out.mesh, t));
+    area[out.mesh.region[t]] += 0.5 * norm(area_vector(out.mesh, t));
   EXPECT_NEAR(area[0], 6 - 0.25, 1e-13);
   EXPECT_NEAR(area[1], 0.25 + 4 * 0.5 * 0.5, 1e-13);
 }
