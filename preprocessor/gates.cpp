@@ -1,7 +1,5 @@
 #include "preprocessor/gates.hpp"
 
-#include "format/model/errors.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -39,7 +37,7 @@ std::string leak_list(const SplineGrid& grid, const Trimming& trimming) {
 // Leaks are the user's choice under --accept-leaks and an error otherwise.
 void refuse_or_warn(bool accept, std::vector<std::string>& warnings, const std::string& finding,
                     const std::string& advice) {
-  if (!accept) throw InputError(finding + "\n" + advice);
+  if (!accept) throw SurfaceFault(finding + "\n" + advice);
   warnings.push_back(finding + "\naccepted as asked (--accept-leaks): volumes near these places are not exact");
 }
 
@@ -96,6 +94,32 @@ std::vector<std::string> judge_winding(const WindingReport& winding, const Trimm
                     "glued; choose smaller spans or separate files where they must move apart",
                     winding.glued_functions, text(winding.glued_where)));
   return warnings;
+}
+
+void judge_surface_points(const TrimmedModel& model) {
+  if (model.quadrature.dropped_spans > 0 || model.surface.accepted_leak > 0) return;
+  const SurfacePoints& points = model.surface.quadrature;
+  const TriangleMesh& mesh = model.surface.mesh;
+  const double allowed = surface_depth(model);
+  std::int64_t astray = 0;
+  double area = 0;
+  Point3 where{};
+  for (std::size_t q = 0; q < points.weights.size(); ++q) {
+    const Point3 x =
+        model.grid.to_position({points.parameters[3 * q], points.parameters[3 * q + 1], points.parameters[3 * q + 2]});
+    if (distance_to_triangle(mesh, static_cast<std::size_t>(points.triangle[q]), x) <= allowed) continue;
+    if (astray == 0) where = x;
+    ++astray;
+    area += points.weights[q];
+  }
+  if (astray == 0) return;
+  throw SurfaceFault(
+      fmt::format("the surface has a wall without material: facets of {:.4g} area bound nothing thicker than {:.3g} "
+                  "spans (first one "
+                  "near {})\nRemove the wall from the part (a sheet, or a cavity that touches the outside), or, where "
+                  "it is thin on "
+                  "purpose, choose a smaller --sliver-tolerance; --wrap makes one closed surface around everything.",
+                  area, model.quadrature.sliver_tolerance, text(where)));
 }
 
 void judge_weights(double point_volume, const QuadratureInfo& info) {

@@ -1,6 +1,7 @@
 // What must hold before a file is written: no input may lead to a silently wrong volume.
 #pragma once
 
+#include "format/model/errors.hpp"
 #include "format/model/trimmed_model.hpp"
 #include "preprocessor/line_winding.hpp"
 #include "preprocessor/trim.hpp"
@@ -14,13 +15,25 @@ namespace iga::prep {
 /// what a missing triangle or a span counted twice leaves.
 constexpr double volume_tolerance = 1e-9;
 
+/// The surface is at fault, not the grid or the settings: a surface wrapped around it would pass.
+class SurfaceFault : public InputError {
+ public:
+  using InputError::InputError;
+};
+
 /// Judges the trimming and the winding numbers of a surface that encloses `mesh_volume`.
 /// @param accept_leaks  findings that come from an open surface become warnings; overlaps in a closed surface never do
 /// @returns warnings, one sentence each
-/// @throws InputError with what was found, where, and the option that mends it
+/// @throws SurfaceFault with what was found, where, and the option that mends it; InputError where the grid is at fault
 std::vector<std::string> judge_trimming(const SplineGrid& grid, const Trimming& trimming, double mesh_volume,
                                         bool accept_leaks);
 std::vector<std::string> judge_winding(const WindingReport& winding, const Trimming& trimming, bool accept_leaks);
+
+/// Every surface point lies on its own triangle, to the sliver depth: a wall without material beside it (its thickness
+/// snapped, or none at all) would otherwise hand its points to some span far away. Not judged where spans were dropped
+/// on purpose (min_fraction), nor where leaks were accepted.
+/// @throws SurfaceFault with the first place and what mends it
+void judge_surface_points(const TrimmedModel& model);
 
 /// Σ weights against the part's volume, plus what snapping added, less what was dropped.
 /// @throws InputError where they differ by more than the larger of `volume_tolerance` and the rules' own tolerance

@@ -65,7 +65,7 @@ void check_memory(const Point3& counts) {
   if (bytes <= 0.5 * memory) return;
   constexpr double gib = 1024.0 * 1024 * 1024;
   throw InputError(
-      fmt::format("the grid would have {:.4g} spans ({:.0f} × {:.0f} × {:.0f}); their states alone need {:.3g} GiB "
+      fmt::format("the grid would have {:.4g} spans ({:.10g} × {:.10g} × {:.10g}); their states alone need {:.3g} GiB "
                   "and this machine has {:.3g} GiB: choose a larger span_size or fewer spans",
                   total, counts[0], counts[1], counts[2], bytes / gib, memory / gib));
 }

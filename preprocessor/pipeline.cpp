@@ -134,7 +134,7 @@ SplineGrid choose_grid(const Settings& s, const TriangleMesh& mesh, io::Progress
   return place_grid(*choice.frame, search.offset);
 }
 
-QuadratureResult make_points(const Settings& s, const SplineGrid& grid, const Trimming& trimming,
+QuadratureResult make_points(const Settings& s, const SplineGrid& grid, const Trimming& trimming, bool repaired,
                              io::Progress& progress) {
   QuadratureOptions options = s.quadrature;
   options.progress = [&](std::int64_t done, std::int64_t total) { progress.update(done, total); };
@@ -143,6 +143,11 @@ QuadratureResult make_points(const Settings& s, const SplineGrid& grid, const Tr
     return build_quadrature(grid, trimming, options);
   } catch (const Cancelled&) {
     throw io::Interrupted{};
+  } catch (const NumericalError& error) {
+    if (!repaired) throw;
+    throw NumericalError(fmt::format("{}\nThe surface was repaired: where the repair left walls without thickness or "
+                                     "facets on top of each other, --wrap makes a clean surface instead.",
+                                     error.what()));
   }
 }
 
@@ -175,25 +180,9 @@ Provenance provenance_of(const Settings& s, const RunInfo& run, const std::strin
   return p;
 }
 
-} // namespace
-
-std::string settings_hash(const Settings& settings) {
-  return io::sha256_text(canonical_text(settings) + "version = " + IGA_VERSION + "\n");
-}
-
-PrepReport run_pipeline(const Settings& s, const RunInfo& run, io::Progress& progress) {
-  PrepReport report;
-  report.input = s.input.string();
-  report.output = s.output.string();
-  check_paths(s);
-  if (stands_already(s, run)) return report_standing(s, std::move(report));
-
-  Stages stages(progress);
-  ReadMesh read = stages.run("read", [&] { return read_mesh(s.input, s.scale); });
-  report.format = read.format;
-  append(report.findings, read.notes);
-  const std::string input_sha256 = read.sha256;
-  const PreparedSurface surface = stages.run("surface", [&] { return prepare_surface(std::move(read), s.surface); });
+// Everything after the surface: grid, trimming, points, checks, file.
+PrepReport make_model(const Settings& s, const RunInfo& run, const PreparedSurface& surface,
+                      const std::string& input_sha256, PrepReport report, Stages& stages, io::Progress& progress) {
   report.bodies = surface.bodies;
   report.cavities = surface.cavities;
   append(report.findings, surface.findings);
@@ -213,7 +202,7 @@ PrepReport run_pipeline(const Settings& s, const RunInfo& run, io::Progress& pro
   append(report.warnings, judge_winding(winding, trimming, s.surface.accept_leaks));
 
   QuadratureResult quadrature =
-      stages.run("quadrature", [&] { return make_points(s, model.grid, trimming, progress); });
+      stages.run("quadrature", [&] { return make_points(s, model.grid, trimming, surface.shape_changed, progress); });
   return_free_memory();
   report.counts = quadrature.counts;
   model.points = std::move(quadrature.points);
@@ -227,6 +216,7 @@ PrepReport run_pipeline(const Settings& s, const RunInfo& run, io::Progress& pro
       stages.run("surface points", [&] { return make_embedded_surface(model.grid, surface.mesh, trimming); });
   trimming.pieces = {};
   model.surface.accepted_leak = leaks ? trimming.worst_leak : 0;
+  judge_surface_points(model);
   model.state = std::move(trimming.state);
   model.active = std::move(trimming.active);
   model.volume_fraction = std::move(trimming.fraction);
@@ -243,6 +233,40 @@ PrepReport run_pipeline(const Settings& s, const RunInfo& run, io::Progress& pro
   report.timings = stages.timings;
   report.peak_memory_mib = peak_memory_mib();
   return report;
+}
+
+} // namespace
+
+std::string settings_hash(const Settings& settings) {
+  return io::sha256_text(canonical_text(settings) + "version = " + IGA_VERSION + "\n");
+}
+
+PrepReport run_pipeline(const Settings& s, const RunInfo& run, io::Progress& progress) {
+  PrepReport report;
+  report.input = s.input.string();
+  report.output = s.output.string();
+  check_paths(s);
+  if (stands_already(s, run)) return report_standing(s, std::move(report));
+
+  Stages stages(progress);
+  ReadMesh read = stages.run("read", [&] { return read_mesh(s.input, s.scale); });
+  report.format = read.format;
+  const std::string input_sha256 = read.sha256;
+  if (!s.surface.wrap) {
+    const PreparedSurface surface = stages.run("surface", [&] { return prepare_surface(std::move(read), s.surface); });
+    return make_model(s, run, surface, input_sha256, std::move(report), stages, progress);
+  }
+  // What only the trimming finds amiss is wrapped too.
+  const PreparedSurface surface = stages.run("surface", [&] { return prepare_surface(read, s.surface); });
+  std::string reason;
+  try {
+    return make_model(s, run, surface, input_sha256, report, stages, progress);
+  } catch (const SurfaceFault& fault) {
+    if (surface.wrapped) throw;
+    reason = fault.what();
+  }
+  const PreparedSurface wrapped = stages.run("wrap", [&] { return wrap_around(std::move(read), s.surface, reason); });
+  return make_model(s, run, wrapped, input_sha256, std::move(report), stages, progress);
 }
 
 } // namespace iga::prep

@@ -3,6 +3,7 @@
 #include "format/model/errors.hpp"
 #include "preprocessor/surface_crossings.hpp"
 #include "preprocessor/surface_fill.hpp"
+#include "preprocessor/surface_junctions.hpp"
 #include "preprocessor/surface_regions.hpp"
 #include "preprocessor/surface_shells.hpp"
 #include "preprocessor/surface_stitch.hpp"
@@ -27,12 +28,20 @@ constexpr double touch_tolerance = 1e-6;
 /// Volume below this times diagonal³ is none: a plate of 1e-5 of its diagonal has 1e-6.
 constexpr double no_volume = 1e-12;
 
+/// Fifth powers of the diagonal (second moments) must neither overflow nor vanish, with room for sums and squares.
+constexpr double least_size = 1e-30, largest_size = 1e30;
+
 std::string at(const Point3& x) {
   return fmt::format("{:.6g} {:.6g} {:.6g}", x[0], x[1], x[2]);
 }
 
 std::string counted(std::int64_t n, const std::string& one, const std::string& many) {
   return fmt::format("{} {}", n, n == 1 ? one : many);
+}
+
+// The diagonal of a tiny box underflows to zero; that box still has an extent.
+bool has_no_extent(const Box3& box) {
+  return box.lower == box.upper;
 }
 
 /// One run over one surface: collects what was found on the way.
@@ -77,12 +86,14 @@ class Preparation {
     found(fmt::format("not usable as it is ({})", reason));
     judge_closedness();
     judge_shells();
-    out_.shape_changed = true;
+    out_.shape_changed = out_.wrapped = true;
     found(fmt::format(
         "wrapped: a closed surface around all facets with alpha {:.4g} and offset {:.4g} replaces the surface; "
         "it lies outside by about the offset, bridges gaps below alpha and rounds inner corners; volume {:.8g}",
         alpha, offset, volume));
-    warn("the shape was approximated by wrapping");
+    warn(fmt::format("the shape was approximated by wrapping, hollows without an opening wider than {:.4g} are filled: "
+                     "compare the volume, {:.8g}, with the part's",
+                     alpha, volume));
     return finish();
   }
 
@@ -93,7 +104,13 @@ class Preparation {
 
   /// Repairs that leave the shape as it is.
   void clean() {
-    if (!(size_ > 0)) refuse("the surface has no extent: all vertices coincide; export the part again");
+    if (has_no_extent(bounding_box(surface_.mesh)))
+      refuse("the surface has no extent: all vertices coincide; export the part again");
+    if (!(size_ >= least_size && size_ <= largest_size))
+      refuse(
+          fmt::format("the box's diagonal is {:.3g}; lengths from {:.0e} to {:.0e} can be integrated: choose another "
+                      "unit (--scale)",
+                      size_, least_size, largest_size));
     weld_equal_vertices(surface_);
     std::int64_t collapsed = drop_collapsed_facets(surface_);
     if (surface_.mesh.triangles.empty())
@@ -105,11 +122,28 @@ class Preparation {
                         counted(near.joined, "vertex", "vertices"), near.tolerance, near.tolerance / size_));
     collapsed += facets_before - static_cast<std::int64_t>(surface_.mesh.triangles.size());
     if (collapsed > 0) found(fmt::format("{} with coinciding vertices dropped", counted(collapsed, "facet", "facets")));
+    join_junctions();
     drop_duplicates();
     if (const auto needles = count_needle_facets(surface_.mesh); needles > 0)
       found(
           fmt::format("{} without area kept: the surface would open along them", counted(needles, "facet", "facets")));
     orient();
+  }
+
+  /// Splits edges at junctions where that closes the surface: elsewhere the open edges are cracks or holes, and other
+  /// repairs need them as they are.
+  void join_junctions() {
+    if (!has_open_edges(surface_.mesh)) return;
+    Surface trial = surface_;
+    const std::int64_t split = split_at_junctions(trial, touch_tolerance * size_);
+    if (split == 0 || has_open_edges(trial.mesh)) return;
+    surface_ = std::move(trial);
+    found(fmt::format("{} split where vertices of a neighbour lie on an open edge",
+                      counted(split, "facet was", "facets were")));
+  }
+
+  static bool has_open_edges(const TriangleMesh& mesh) {
+    return find_edge_defects(mesh, make_edge_table(mesh.triangles)).open > 0;
   }
 
   void drop_duplicates() {
@@ -395,8 +429,12 @@ PreparedSurface prepare_surface(ReadMesh input, const SurfaceOptions& options) {
   try {
     return Preparation(input, options).run();
   } catch (const InputError& reason) {
-    return Preparation(std::move(input), options).run_wrapped(reason.what());
+    return wrap_around(std::move(input), options, reason.what());
   }
+}
+
+PreparedSurface wrap_around(ReadMesh input, const SurfaceOptions& options, const std::string& reason) {
+  return Preparation(std::move(input), options).run_wrapped(reason);
 }
 
 } // namespace iga::prep

@@ -21,6 +21,7 @@ struct PreparedSurface {
   int bodies = 0;                    ///< mechanically separate outer shells
   int cavities = 0;                  ///< inner shells
   bool shape_changed = false;        ///< repair or wrapping changed the shape
+  bool wrapped = false;              ///< a wrapped surface stands for the given one
   std::vector<std::string> findings; ///< what was found and what was done, one sentence each
   std::vector<std::string> warnings; ///< what the user should know but need not mend
 };
@@ -28,5 +29,9 @@ struct PreparedSurface {
 /// @throws InputError when the surface cannot be trimmed; the message says what was found, where, and which option
 /// mends it
 PreparedSurface prepare_surface(ReadMesh input, const SurfaceOptions& options);
+
+/// A surface wrapped around the given one, whatever that is, because of `reason` (it goes into the findings).
+/// @throws InputError where wrapping makes no solid
+PreparedSurface wrap_around(ReadMesh input, const SurfaceOptions& options, const std::string& reason);
 
 } // namespace iga::prep

@@ -8,7 +8,9 @@
 #include <CGAL/IO/PLY.h>
 #include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
 #include <CGAL/utility.h>
+#include <algorithm>
 #include <fmt/format.h>
+#include <iostream>
 #include <locale>
 #include <sstream>
 
@@ -52,6 +54,49 @@ void append_triangles(const std::vector<std::size_t>& polygon, const std::vector
                          corner(static_cast<std::size_t>(t.third))});
 }
 
+/// The vertices and faces of an OBJ file, one per line: CGAL's reader knows neither continued lines ("\\" at the end)
+/// nor the lines, points and curves that modellers add. Counts from the end (negative indices) stay right: no vertex
+/// goes.
+std::string vertices_and_faces(std::string_view obj) {
+  std::string out;
+  out.reserve(obj.size());
+  std::string line;
+  while (!obj.empty()) {
+    const std::size_t end = std::min(obj.find('\n'), obj.size());
+    std::string_view piece = obj.substr(0, end);
+    obj.remove_prefix(std::min(end + 1, obj.size()));
+    if (piece.ends_with('\r')) piece.remove_suffix(1);
+    const bool continued = piece.ends_with('\\');
+    if (continued) piece.remove_suffix(1);
+    line.append(piece);
+    if (continued && !obj.empty()) {
+      line.push_back(' ');
+      continue;
+    }
+    const std::size_t first = std::min(line.find_first_not_of(" \t"), line.size());
+    const std::size_t last = std::min(line.find_first_of(" \t", first), line.size());
+    const std::string_view word = std::string_view(line).substr(first, last - first);
+    if (word == "v" || word == "f") out.append(line).push_back('\n');
+    line.clear();
+  }
+  return out;
+}
+
+/// What a library prints on std::cerr while it lives, instead of the user seeing it.
+class CaughtOutput {
+ public:
+  CaughtOutput() : before_(std::cerr.rdbuf(text_.rdbuf())) {}
+  ~CaughtOutput() { std::cerr.rdbuf(before_); }
+  CaughtOutput(const CaughtOutput&) = delete;
+  CaughtOutput& operator=(const CaughtOutput&) = delete;
+  /// Its first line.
+  std::string line() const { return text_.str().substr(0, text_.str().find('\n')); }
+
+ private:
+  std::ostringstream text_;
+  std::streambuf* before_;
+};
+
 } // namespace
 
 TriangleMesh read_polygons(std::string_view bytes, PolygonFormat format, const std::string& name) {
@@ -59,12 +104,15 @@ TriangleMesh read_polygons(std::string_view bytes, PolygonFormat format, const s
   const std::string_view format_name = names[static_cast<std::size_t>(format)];
   std::vector<Kernel::Point_3> points;
   Polygons polygons;
-  std::istringstream in{std::string(bytes), std::ios::binary};
+  std::istringstream in{format == PolygonFormat::Obj ? vertices_and_faces(bytes) : std::string(bytes),
+                        std::ios::binary};
   in.imbue(std::locale::classic());
   bool ok = false;
   std::string reason;
   try {
+    const CaughtOutput caught;
     ok = read(in, format, points, polygons);
+    if (const std::string line = caught.line(); !line.empty()) reason = fmt::format(" ({})", line);
   } catch (const std::exception& e) {
     reason = fmt::format(" ({})", e.what());
   }

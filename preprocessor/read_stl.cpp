@@ -276,9 +276,16 @@ class AsciiParser {
   bool open_ = false;
 };
 
+/// A text without the NUL bytes and end-of-file marks (Ctrl-Z) that some programs pad it with.
+std::string_view without_padding(std::string_view text) {
+  const auto last = text.find_last_not_of(std::string_view("\0\x1A", 2));
+  return text.substr(0, last == std::string_view::npos ? 0 : last + 1);
+}
+
 } // namespace
 
 bool looks_like_ascii_stl(std::string_view bytes) {
+  bytes = without_padding(bytes);
   constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
   if (bytes.substr(0, 3) == byte_order_mark) bytes.remove_prefix(3);
   const std::string_view head = bytes.substr(0, 4096);
@@ -294,7 +301,7 @@ ReadMesh read_stl(std::string_view bytes, const std::string& name, double scale)
   if (bytes.empty()) throw InputError(fmt::format("{}: the file is empty; export the part again", name));
   if (looks_like_ascii_stl(bytes)) {
     if (bytes.substr(0, 3) == "\xEF\xBB\xBF") bytes.remove_prefix(3);
-    return AsciiParser(bytes, name, scale).parse();
+    return AsciiParser(without_padding(bytes), name, scale).parse();
   }
   if (bytes.size() < header_size)
     throw InputError(

@@ -1,6 +1,7 @@
 #include "format/io/h5_file.hpp"
 
 #include "format/io/chunk_filter.hpp"
+#include "format/io/utf8.hpp"
 #include "format/model/errors.hpp"
 
 #include <algorithm>
@@ -140,10 +141,12 @@ struct PackedTexts {
 };
 
 PackedTexts pack(const std::vector<std::string>& values) {
+  std::vector<std::string> texts(values.size());
+  std::transform(values.begin(), values.end(), texts.begin(), valid_utf8);
   PackedTexts packed;
-  for (const auto& value : values) packed.length = std::max(packed.length, value.size() + 1);
-  packed.bytes.assign(std::max<std::size_t>(1, packed.length * values.size()), '\0');
-  for (std::size_t i = 0; i < values.size(); ++i) values[i].copy(&packed.bytes[i * packed.length], packed.length);
+  for (const auto& value : texts) packed.length = std::max(packed.length, value.size() + 1);
+  packed.bytes.assign(std::max<std::size_t>(1, packed.length * texts.size()), '\0');
+  for (std::size_t i = 0; i < texts.size(); ++i) texts[i].copy(&packed.bytes[i * packed.length], packed.length);
   return packed;
 }
 

@@ -1,5 +1,7 @@
 #include "format/io/json_text.hpp"
 
+#include "format/io/utf8.hpp"
+
 #include <cmath>
 #include <fmt/format.h>
 
@@ -11,7 +13,7 @@ std::string json(double value) {
 
 std::string json(std::string_view value) {
   std::string text = "\"";
-  for (const char c : value) {
+  for (const char c : valid_utf8(value)) {
     if (c == '"' || c == '\\')
       text.append(1, '\\').append(1, c);
     else if (static_cast<unsigned char>(c) < 0x20)

@@ -9,7 +9,7 @@
 namespace iga::io {
 
 /// Text of one JSON value. Numbers are written so that reading them back gives the same bits; NaN and infinity, which
-/// JSON lacks, become null.
+/// JSON lacks, become null; bytes of a text that are no UTF-8 become U+FFFD.
 std::string json(double value);
 std::string json(std::string_view value);
 inline std::string json(const char* value) {

@@ -95,4 +95,8 @@ struct TrimmedModel {
 /// accepted (surface.accepted_leak > 0).
 std::vector<std::string> check(const TrimmedModel& model, int limit = 5);
 
+/// How far a surface point may lie off its triangle: the sliver depth, by which a point is clamped to its span, and
+/// rounding. Length.
+double surface_depth(const TrimmedModel& model);
+
 } // namespace iga

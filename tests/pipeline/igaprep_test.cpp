@@ -4,6 +4,7 @@
 #include "tests/support/small_surfaces.hpp"
 #include "tests/support/temp_folder.hpp"
 
+#include <cmath>
 #include <csignal>
 #include <gtest/gtest.h>
 
@@ -121,6 +122,51 @@ TEST_F(Igaprep, TurnsAndShiftsTheGrid) {
   EXPECT_NEAR(number(r, "volume"), 480000, 480000e-9);
   EXPECT_LE(number(r, "offset.light_after"), number(r, "offset.light_before"));
   EXPECT_GT(number(r, "spans.trimmed"), 0);
+}
+
+// Names in Latin-1 are no UTF-8: the report and the file hold valid text all the same.
+TEST_F(Igaprep, ReportsValidJsonForAnyName) {
+  const std::string latin = "Geh\xE4use \"2\".stl";
+  write_bytes(folder / latin, ascii_stl(box_mesh({0, 0, 0}, {10, 10, 10})));
+  const auto r = json({latin, "--span-size", "5", "-o", "a.h5"});
+  EXPECT_EQ(r.at("input"), "Geh\xEF\xBF\xBDuse \"2\".stl");
+  EXPECT_EQ(json({latin, "--span-size", "5", "-o", "a.h5"}).at("reused"), "true");
+}
+
+// A box, turned out of the axes.
+TriangleMesh turned_box(const Point3& lower, const Point3& upper) {
+  TriangleMesh mesh = box_mesh(lower, upper);
+  for (Point3& x : mesh.vertices) {
+    const double c = std::cos(0.7), s = std::sin(0.7), d = std::cos(1.1), t = std::sin(1.1);
+    x = {c * x[0] - s * x[1], s * x[0] + c * x[1], x[2]};
+    x = {x[0], d * x[1] - t * x[2], t * x[1] + d * x[2]};
+  }
+  return mesh;
+}
+
+// Exact cuts, rounded to double, leave needles whose normals mean nothing.
+TEST_F(Igaprep, UnitesBodiesWhoseUnionHasNeedles) {
+  for (const double overlap : {0.5, 1e-3, 1e-5}) {
+    const TriangleMesh a = turned_box({0, 0, 0}, {1, 1, 1}), b = turned_box({1 - overlap, 0.2, 0.2}, {1.5, 0.8, 0.8});
+    write_bytes(folder / "two.stl", ascii_stl(a) + ascii_stl(b));
+    EXPECT_EQ(run({"two.stl", "--spans", "8", "-o", "a.h5", "--force"}).exit_code, 2);
+    const auto r = json({"two.stl", "--spans", "8", "-o", "a.h5", "--force", "--repair"});
+    EXPECT_NEAR(number(r, "volume"), 1 + 0.5 * 0.36, 1e-9);
+  }
+}
+
+// A cavity that touches the outside leaves a wall without thickness: no span there holds its surface points.
+TEST_F(Igaprep, RefusesAWallWithoutMaterialAndWrapsIt) {
+  TriangleMesh cavity = turned_box({-1, 0, 0}, {1, 1, 1});
+  for (Triangle& t : cavity.triangles) std::swap(t[1], t[2]);
+  write_bytes(folder / "wall.stl", ascii_stl(turned_box({-1, -1, -1}, {2, 2, 2})) + ascii_stl(cavity));
+  const ProgramRun refused = run({"wall.stl", "-o", "a.h5", "--spans", "16"});
+  EXPECT_EQ(refused.exit_code, 2) << refused.err;
+  for (const char* word : {"wall without material", "--sliver-tolerance", "--wrap"})
+    EXPECT_NE(refused.err.find(word), std::string::npos) << refused.err;
+  const auto r = json({"wall.stl", "-o", "a.h5", "--spans", "16", "--wrap", "--wrap-alpha", "0.5"});
+  EXPECT_NEAR(number(r, "volume"), 27, 3); // the cavity has no opening: it is filled, and the report says so
+  EXPECT_NE(r.at("warnings.0").find("filled"), std::string::npos);
 }
 
 TEST_F(Igaprep, QuietPrintsNothingOnSuccess) {

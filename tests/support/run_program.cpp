@@ -35,7 +35,6 @@ struct Pipe {
   if (options.file_size_limit) {
     const rlimit limit{*options.file_size_limit, *options.file_size_limit};
     setrlimit(RLIMIT_FSIZE, &limit);
-    signal(SIGXFSZ, SIG_IGN); // writes then fail with EFBIG
   }
   execv(program, arguments);
   _exit(127);

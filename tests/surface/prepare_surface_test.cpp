@@ -78,6 +78,24 @@ TEST(PrepareSurface, JoinsVerticesOnlyAlongOpenEdges) {
   EXPECT_FALSE(out.shape_changed);
 }
 
+// One side of a box meshed finer than its neighbours, which know nothing of the new vertices.
+TEST(PrepareSurface, SplitsNeighboursAtVerticesOnTheirEdges) {
+  constexpr int n = 7;
+  test::Soup soup;
+  for (const auto& t : test::box_facets({0, 0, 0}, {1, 1, 1}))
+    if (!(t[0][2] == 1 && t[1][2] == 1 && t[2][2] == 1)) soup.push_back(t);
+  const auto p = [](int i, int j) { return Point3{i / double{n}, j / double{n}, 1}; };
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) {
+      soup.push_back({p(i, j), p(i + 1, j), p(i + 1, j + 1)});
+      soup.push_back({p(i, j), p(i + 1, j + 1), p(i, j + 1)});
+    }
+  const PreparedSurface out = prepare_surface(test::as_read(soup), {});
+  EXPECT_FALSE(out.shape_changed);
+  EXPECT_NEAR(volume_moments(out.mesh).volume, 1, 1e-14);
+  EXPECT_EQ(out.mesh.triangles.size(), soup.size() + 4 * (n - 1));
+}
+
 TEST(PrepareSurface, TurnsFlippedFacetsAndInsideOutParts) {
   Soup flipped = cube;
   std::swap(flipped[5][0], flipped[5][1]);

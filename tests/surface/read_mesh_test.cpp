@@ -179,10 +179,26 @@ TEST_F(ReadMeshTest, ReadsObjPlyAndOffInFullPrecision) {
   EXPECT_EQ(from_ply.mesh.triangles.size(), 4U);
 }
 
+TEST_F(ReadMeshTest, ReadsObjWithContinuedLinesAndWhatIsNoFace) {
+  std::string text = "mtllib a.mtl\no part\n" + std::string(obj) + "l 1 2\np 3\nusemtl red\n";
+  text.replace(text.find("f 1 4 3 2"), 9, "f 1 4 \\\r\n  3 2");
+  const ReadMesh mesh = read_mesh(write("a.obj", text));
+  EXPECT_EQ(mesh.mesh.triangles.size(), 12U);
+  EXPECT_NEAR(volume_moments(mesh.mesh).volume, 1, 1e-15);
+}
+
+TEST_F(ReadMeshTest, ReadsAsciiStlPaddedWithZeros) {
+  for (const std::string& padding : {std::string(3, '\0'), std::string("\n\x1A"), std::string(512, '\0')})
+    EXPECT_EQ(read_mesh(write("a.stl", ascii_stl(cube, "a") + padding)).mesh.triangles.size(), 12U);
+}
+
 TEST_F(ReadMeshTest, RefusesDamagedPolygonFiles) {
   expect_refused(write("a.off", "OFF\n4 4 0\n0 0 0\n1 0"), "cannot be read as OFF");
   expect_refused(write("a.ply", "ply\nformat ascii 1.0\nelement vertex 4\n"), "PLY");
   expect_refused(write("a.obj", "v 0 0 0\nv 1 0 0\n"), "OBJ");
+  testing::internal::CaptureStderr(); // what CGAL prints goes into the message, not past it
+  expect_refused(write("b.ply", "ply\nnonsense\n"), "PLY");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
 } // namespace

@@ -108,7 +108,7 @@ const Fault faults[]{
        for (double& n : m.surface.quadrature.normals) n = -n;
      },
      "∮ x·n dA / 3"},
-    {"OffThePlane", [](auto& m) { m.surface.quadrature.triangle[0] = 3; }, "off the plane"},
+    {"OffItsTriangle", [](auto& m) { m.surface.quadrature.triangle[0] = 3; }, "off its triangle"},
 };
 
 class ModelCheckFaults : public testing::TestWithParam<Fault> {};

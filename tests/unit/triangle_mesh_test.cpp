@@ -75,6 +75,26 @@ TEST(TriangleMesh, TorusMomentsConvergeToTheirClosedForm) {
   }
 }
 
+TEST(TriangleMesh, DistanceIsToTheNearestPointOfTheTriangle) {
+  TriangleMesh mesh;
+  mesh.vertices = {{0, 0, 0}, {4, 0, 0}, {0, 3, 0}};
+  mesh.triangles = {{0, 1, 2}};
+  EXPECT_DOUBLE_EQ(distance_to_triangle(mesh, 0, {1, 1, 0.5}), 0.5);
+  EXPECT_DOUBLE_EQ(distance_to_triangle(mesh, 0, {1, -2, 0}), 2);
+  EXPECT_DOUBLE_EQ(distance_to_triangle(mesh, 0, {7, 0, -4}), 5);
+  EXPECT_DOUBLE_EQ(distance_to_triangle(mesh, 0, {4, 3, 0}), 2.4);
+}
+
+// Unions leave needles one rounding wide: the direction of such a normal means nothing.
+TEST(TriangleMesh, DistanceToANeedleIsNotFooledByItsNormal) {
+  TriangleMesh mesh;
+  mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0.5, 1e-17, 1e-17}};
+  mesh.triangles = {{0, 1, 2}};
+  for (const Point3& x : {Point3{0.25, 0, 1e-16}, Point3{0.75, -1e-16, 0}, Point3{0.5, 1e-16, 2e-16}})
+    EXPECT_LE(distance_to_triangle(mesh, 0, x), 3e-16);
+  EXPECT_NEAR(distance_to_triangle(mesh, 0, {0.5, 0.3, 0.4}), 0.5, 1e-15);
+}
+
 TEST(TriangleMesh, EmptyMeshHasNoVolume) {
   EXPECT_EQ(volume_moments({}).volume, 0);
 }
