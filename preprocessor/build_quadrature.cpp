@@ -23,14 +23,15 @@ constexpr std::size_t spans_per_block = 64;
 
 /// Rules of the trimmed spans of one block, in span order.
 struct Block {
-  std::vector<double> points, weights, residual;  ///< as SpanRule; residual one a span
-  std::vector<std::uint32_t> count;               ///< points of each trimmed span
+  std::vector<double> points, weights, residual; ///< as SpanRule; residual one a span
+  std::vector<std::uint32_t> count;              ///< points of each trimmed span
   QuadratureCounts counts;
-  std::vector<std::int64_t> failed;               ///< linear numbers of spans that missed the tolerance
+  std::vector<std::int64_t> failed; ///< linear numbers of spans that missed the tolerance
 };
 
 bool is_interior(const Trimming& trimming, std::size_t active) {
-  return trimming.state[static_cast<std::size_t>(trimming.active[active])] == static_cast<std::uint8_t>(SpanState::Interior);
+  return trimming.state[static_cast<std::size_t>(trimming.active[active])] ==
+         static_cast<std::uint8_t>(SpanState::Interior);
 }
 
 // Touched span that an active trimmed span is, for all active spans (unused for interior ones).
@@ -92,10 +93,10 @@ void report_failures(const std::vector<Block>& blocks, const SplineGrid& grid, c
     const Index3 ijk = grid.span_index(failed[f]);
     list += fmt::format("{}({}, {}, {})", f ? ", " : "", ijk[0], ijk[1], ijk[2]);
   }
-  throw NumericalError(fmt::format("{} trimmed span{} did not reach the moment residual {:.3g}: {}{}; choose another span "
-                                   "size or shift the grid, or raise --tolerance",
-                                   failed.size(), failed.size() == 1 ? "" : "s", options.tolerance, list,
-                                   failed.size() > 5 ? ", …" : ""));
+  throw NumericalError(fmt::format(
+      "{} trimmed span{} did not reach the moment residual {:.3g}: {}{}; choose another span "
+      "size or shift the grid, or raise --tolerance",
+      failed.size(), failed.size() == 1 ? "" : "s", options.tolerance, list, failed.size() > 5 ? ", …" : ""));
 }
 
 } // namespace
@@ -157,7 +158,8 @@ QuadratureResult build_quadrature(const SplineGrid& grid, const Trimming& trimmi
     for (std::size_t a = b * spans_per_block; a < std::min(num_active, (b + 1) * spans_per_block); ++a) {
       const Box3 box = grid.span_box(grid.span_index(trimming.active[a]));
       const bool interior = is_interior(trimming, a);
-      for (auto g = static_cast<std::size_t>(points.offsets[a]); g < static_cast<std::size_t>(points.offsets[a + 1]); ++g) {
+      for (auto g = static_cast<std::size_t>(points.offsets[a]); g < static_cast<std::size_t>(points.offsets[a + 1]);
+           ++g) {
         const std::size_t local = g - static_cast<std::size_t>(points.offsets[a]);
         const double* t = interior ? gauss.points[local].data() : &block.points[3 * own];
         points.weights[g] = span_volume * (interior ? gauss.weights[local] : block.weights[own]);
@@ -212,10 +214,12 @@ FunctionMass function_mass(const SplineGrid& grid, const Trimming& trimming, con
       };
       if (is_interior(trimming, a)) {
         for (std::size_t d = 0; d < 3; ++d)
-          integrate_basis(grid.knots(static_cast<int>(d)), ijk[d], std::span(N[d]).first(static_cast<std::size_t>(p[d] + 1)));
+          integrate_basis(grid.knots(static_cast<int>(d)), ijk[d],
+                          std::span(N[d]).first(static_cast<std::size_t>(p[d] + 1)));
         accumulate(1);
       } else {
-        for (auto g = static_cast<std::size_t>(points.offsets[a]); g < static_cast<std::size_t>(points.offsets[a + 1]); ++g) {
+        for (auto g = static_cast<std::size_t>(points.offsets[a]); g < static_cast<std::size_t>(points.offsets[a + 1]);
+             ++g) {
           for (std::size_t d = 0; d < 3; ++d)
             evaluate_basis(grid.knots(static_cast<int>(d)), ijk[d], points.parameters[3 * g + d],
                            std::span(N[d]).first(static_cast<std::size_t>(p[d] + 1)));
@@ -237,7 +241,8 @@ FunctionMass function_mass(const SplineGrid& grid, const Trimming& trimming, con
       const std::size_t left = 2 * step * pair, right = left + step;
       if (right >= parts.size()) return;
       std::vector<Entry> both(parts[left].size() + parts[right].size());
-      std::merge(parts[left].begin(), parts[left].end(), parts[right].begin(), parts[right].end(), both.begin(), before);
+      std::merge(parts[left].begin(), parts[left].end(), parts[right].begin(), parts[right].end(), both.begin(),
+                 before);
       add_equal(both);
       parts[left] = std::move(both);
       parts[right] = {};

@@ -12,17 +12,17 @@ struct QuadratureOptions {
   std::string interior_rule = "gauss";
   std::string trimmed_rule = "nnls";
   std::array<int, 3> moment_degree{2, 2, 2};
-  double tolerance = 1e-10;                                 ///< on the relative moment residual of every span
-  std::function<void(std::int64_t done, std::int64_t total)> progress;  ///< called from worker threads now and then
-  std::function<bool()> cancelled;                          ///< polled; true stops the work with Cancelled
+  double tolerance = 1e-10; ///< on the relative moment residual of every span
+  std::function<void(std::int64_t done, std::int64_t total)> progress; ///< called from worker threads now and then
+  std::function<bool()> cancelled;                                     ///< polled; true stops the work with Cancelled
 };
 
 /// How the spans got their rules; for the report.
 struct QuadratureCounts {
-  std::int64_t box_spans = 0;       ///< axis-aligned boxes: Gauss on the box
-  std::int64_t prism_spans = 0;     ///< prisms along an axis: 2-D fit × Gauss
-  std::int64_t fitted_spans = 0;    ///< 3-D moment fitting
-  std::int64_t refined_spans = 0;   ///< fitted spans that needed more than the first set of candidates
+  std::int64_t box_spans = 0;     ///< axis-aligned boxes: Gauss on the box
+  std::int64_t prism_spans = 0;   ///< prisms along an axis: 2-D fit × Gauss
+  std::int64_t fitted_spans = 0;  ///< 3-D moment fitting
+  std::int64_t refined_spans = 0; ///< fitted spans that needed more than the first set of candidates
 };
 
 struct QuadratureResult {

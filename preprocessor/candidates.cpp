@@ -1,5 +1,5 @@
-// An edge that two pieces share is met at the same bits from both (computed from its lower to its upper end, half-open),
-// so a line through a closed surface never slips through a seam or counts it twice.
+// An edge that two pieces share is met at the same bits from both (computed from its lower to its upper end,
+// half-open), so a line through a closed surface never slips through a seam or counts it twice.
 #include "preprocessor/candidates.hpp"
 
 #include "format/model/vec3.hpp"
@@ -21,10 +21,11 @@ constexpr double coincident = 1e-12;
 constexpr double grazing = 1e-7;
 
 struct EdgePoint {
-  double b, a;  // coordinates along b and along the axis
+  double b, a; // coordinates along b and along the axis
 };
 
-EdgePoint edge_at(const Point3& low, const Point3& high, std::size_t axis, std::size_t b_axis, std::size_t c_axis, double c) {
+EdgePoint edge_at(const Point3& low, const Point3& high, std::size_t axis, std::size_t b_axis, std::size_t c_axis,
+                  double c) {
   const double t = (c - low[c_axis]) / (high[c_axis] - low[c_axis]);
   return {low[b_axis] + t * (high[b_axis] - low[b_axis]), low[axis] + t * (high[axis] - low[axis])};
 }
@@ -34,7 +35,8 @@ template <class Crossing> void sort_and_cancel(std::vector<Crossing>& line) {
   std::sort(line.begin(), line.end(), [](const Crossing& x, const Crossing& y) { return x.at < y.at; });
   std::size_t kept = 0;
   for (const Crossing& crossing : line) {
-    const bool cancels = kept > 0 && line[kept - 1].sign * crossing.sign < 0 && crossing.at - line[kept - 1].at <= coincident;
+    const bool cancels =
+        kept > 0 && line[kept - 1].sign * crossing.sign < 0 && crossing.at - line[kept - 1].at <= coincident;
     if (cancels)
       --kept;
     else
@@ -82,7 +84,7 @@ void LineCaster::cast(std::size_t axis, std::span<const double> bs, std::span<co
       low = std::min(low, x[c_axis]);
       high = std::max(high, x[c_axis]);
     }
-    int along = -1;  // not known yet
+    int along = -1; // not known yet
     const auto first = std::lower_bound(cs.begin(), cs.end(), low) - cs.begin();
     for (auto j = static_cast<std::size_t>(first); j < cs.size() && cs[j] < high; ++j) {
       // A convex polygon is entered by one rising and left by one falling edge.
@@ -161,12 +163,13 @@ void LineCaster::append_candidates(std::size_t axis, std::span<const double> bs,
     }
 }
 
-void LineCaster::append_inward_candidates(int degree, std::size_t max_rays, int points_per_ray, std::vector<double>& points) {
+void LineCaster::append_inward_candidates(int degree, std::size_t max_rays, int points_per_ray,
+                                          std::vector<double>& points) {
   const TriangleProductRule<double>& rule = triangle_product_rule<double>(degree);
   std::size_t num_rays = 0;
   for (std::size_t q = 0; q < surface_->num_polygons(); ++q)
     num_rays += (surface_->polygon(q).size() - 2) * rule.weights.size();
-  const std::size_t stride = num_rays / max_rays + 1;  // every so many rays, where there are more than asked for
+  const std::size_t stride = num_rays / max_rays + 1; // every so many rays, where there are more than asked for
   std::size_t ray = 0;
   for (std::size_t q = 0; q < surface_->num_polygons(); ++q) {
     const auto v = surface_->polygon(q);
@@ -176,7 +179,7 @@ void LineCaster::append_inward_candidates(int degree, std::size_t max_rays, int 
       for (std::size_t k = 0; k < rule.weights.size(); ++k) {
         if (ray++ % stride != 0 || length == 0) continue;
         Point3 from;
-        double leave = std::numeric_limits<double>::infinity();  // where the ray leaves the box
+        double leave = std::numeric_limits<double>::infinity(); // where the ray leaves the box
         const Point3 inward{-n[0] / length, -n[1] / length, -n[2] / length};
         for (std::size_t d = 0; d < 3; ++d) {
           from[d] = v[0][d] + rule.s[k] * (v[a][d] - v[0][d]) + rule.t[k] * (v[a + 1][d] - v[0][d]);
@@ -213,7 +216,7 @@ bool LineCaster::inside(const Point3& x) {
 
 // No axis-parallel line meets the surface: look towards the middle of a piece, the first piece on the way decides.
 bool LineCaster::inside_by_piece(const Point3& x) {
-  std::vector<std::pair<double, std::size_t>> targets;  // largest pieces first
+  std::vector<std::pair<double, std::size_t>> targets; // largest pieces first
   for (std::size_t q = 0; q < surface_->num_polygons(); ++q) {
     const auto v = surface_->polygon(q);
     Point3 n{};
@@ -253,7 +256,7 @@ void LineCaster::cast_ray(const Point3& x, const Point3& ray) {
       const double t = (dot(n, v[0]) - dot(n, x)) / slope;
       if (t < 0) continue;
       const Point3 hit{x[0] + t * ray[0], x[1] + t * ray[1], x[2] + t * ray[2]};
-      constexpr double tolerance = 1e-12;  // an edge counts for both of its triangles
+      constexpr double tolerance = 1e-12; // an edge counts for both of its triangles
       const double scale = -tolerance * dot(n, n);
       if (dot(n, twice_area(v[0], v[a], hit)) < scale || dot(n, twice_area(v[a], v[a + 1], hit)) < scale ||
           dot(n, twice_area(v[a + 1], v[0], hit)) < scale)

@@ -1,6 +1,6 @@
 // Slab clipping z → y → x. Each stage clips the polygon it was given to one closed slab at a time, and computes every
-// crossing from the ends of the stage's own edge, from the lower end to the upper one: two triangles that share an edge,
-// and two slabs that share a plane, get the same bits. (Compiled without fused operations for the same reason.)
+// crossing from the ends of the stage's own edge, from the lower end to the upper one: two triangles that share an
+// edge, and two slabs that share a plane, get the same bits. (Compiled without fused operations for the same reason.)
 #include "preprocessor/clip.hpp"
 
 #include "format/model/errors.hpp"
@@ -79,7 +79,7 @@ template <std::size_t d> void clip_to_slab(const Polygon& in, double c, Polygon&
 struct WorkItem {
   std::int32_t triangle;
   SlabRange z, y;
-  std::int64_t num_spans;  ///< of its bounding box: a bound on the pieces it can give
+  std::int64_t num_spans; ///< of its bounding box: a bound on the pieces it can give
 };
 
 /// Pieces in the order in which they were cut.
@@ -156,7 +156,7 @@ std::vector<std::size_t> make_blocks(const std::vector<WorkItem>& items) {
   std::vector<std::size_t> first{0};
   std::int64_t spans = 0;
   for (std::size_t q = 0; q < items.size(); ++q) {
-    spans += items[q].num_spans + 8;  // a triangle costs something even where it is not cut
+    spans += items[q].num_spans + 8; // a triangle costs something even where it is not cut
     if (spans < spans_per_block && q + 1 < items.size()) continue;
     first.push_back(q + 1);
     spans = 0;
@@ -179,7 +179,7 @@ SurfacePieces join(const std::vector<PieceBuffer>& blocks) {
   std::vector<std::size_t> first(blocks.size() + 1, 0);
   for (std::size_t b = 0; b < blocks.size(); ++b) first[b + 1] = first[b] + blocks[b].span.size();
   std::vector<PieceKey> keys(first.back());
-  std::vector<std::vector<std::int64_t>> starts(blocks.size());  // first vertex of each piece of a block
+  std::vector<std::vector<std::int64_t>> starts(blocks.size()); // first vertex of each piece of a block
   tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
     std::int64_t vertex = 0;
     starts[b].resize(blocks[b].span.size());
@@ -235,10 +235,10 @@ std::vector<Point3> to_span_units(const SplineGrid& grid, const TriangleMesh& me
     for (std::size_t d = 0; d < 3; ++d) {
       xi[v][d] = (u[d] - A[d]) / h[d];
       if (!(xi[v][d] >= 0 && xi[v][d] <= static_cast<double>(n[d])))
-        throw InputError(fmt::format("the part sticks out of the grid's box: vertex {} at ({:.9g}, {:.9g}, {:.9g}) lies "
-                                     "outside [{:.9g}, {:.9g}] along grid axis {}; enlarge the box",
-                                     v, mesh.vertices[v][0], mesh.vertices[v][1], mesh.vertices[v][2], A[d],
-                                     grid.B()[d], "uvw"[d]));
+        throw InputError(
+            fmt::format("the part sticks out of the grid's box: vertex {} at ({:.9g}, {:.9g}, {:.9g}) lies "
+                        "outside [{:.9g}, {:.9g}] along grid axis {}; enlarge the box",
+                        v, mesh.vertices[v][0], mesh.vertices[v][1], mesh.vertices[v][2], A[d], grid.B()[d], "uvw"[d]));
     }
   }
   return xi;

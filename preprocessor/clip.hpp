@@ -17,11 +17,11 @@ namespace iga::prep {
 /// grid's last plane, to the last span.
 /// Two triangles that share an edge share the bits of every vertex made on it: the pieces of a closed mesh are closed.
 struct SurfacePieces {
-  std::vector<std::int64_t> spans;           ///< (num_touched); linear numbers of the spans that own pieces, ascending
-  std::vector<std::int64_t> offsets;         ///< (num_touched + 1); span t owns pieces [t] … [t + 1) - 1
-  std::vector<std::int32_t> triangle;        ///< (num_pieces); the mesh triangle a piece was cut from
-  std::vector<std::int64_t> vertex_offsets;  ///< (num_pieces + 1); piece q owns vertices [q] … [q + 1) - 1
-  std::vector<Point3> vertices;              ///< (num_vertices × 3); span units, in the triangle's orientation
+  std::vector<std::int64_t> spans;          ///< (num_touched); linear numbers of the spans that own pieces, ascending
+  std::vector<std::int64_t> offsets;        ///< (num_touched + 1); span t owns pieces [t] … [t + 1) - 1
+  std::vector<std::int32_t> triangle;       ///< (num_pieces); the mesh triangle a piece was cut from
+  std::vector<std::int64_t> vertex_offsets; ///< (num_pieces + 1); piece q owns vertices [q] … [q + 1) - 1
+  std::vector<Point3> vertices;             ///< (num_vertices × 3); span units, in the triangle's orientation
 
   std::int64_t num_pieces() const { return static_cast<std::int64_t>(triangle.size()); }
   std::span<const Point3> polygon(std::int64_t piece) const {

@@ -15,7 +15,7 @@ constexpr int max_points = 64;
 
 /// Rules made on demand, one slot per number of points; safe to ask from several threads.
 template <class Rule, std::size_t size> class RuleCache {
-public:
+ public:
   template <class Make> const Rule& get(int n, Make&& make) {
     assert(n >= 0 && static_cast<std::size_t>(n) < size);
     const auto slot = static_cast<std::size_t>(n);
@@ -23,7 +23,7 @@ public:
     return rules_[slot];
   }
 
-private:
+ private:
   std::array<std::once_flag, size> once_;
   std::array<Rule, size> rules_;
 };
@@ -33,8 +33,8 @@ struct LongRule {
   std::vector<long double> nodes, weights;
 };
 
-// Gauss rule on [-1, 1] for the weight (1 - x)^alpha, alpha = 0 or 1, from the recurrence of its orthonormal polynomials
-// β_{k+1} p_{k+1} = (x - α_k) p_k - β_k p_{k-1}; the weight of a node is 1 / Σ p_k².
+// Gauss rule on [-1, 1] for the weight (1 - x)^alpha, alpha = 0 or 1, from the recurrence of its orthonormal
+// polynomials β_{k+1} p_{k+1} = (x - α_k) p_k - β_k p_{k-1}; the weight of a node is 1 / Σ p_k².
 LongRule make_gauss(int n, int alpha) {
   const auto diagonal = [&](int k) { return alpha == 0 ? 0.0L : -1.0L / ((2.0L * k + 1) * (2.0L * k + 3)); };
   const auto off = [&](int k) {
@@ -45,8 +45,9 @@ LongRule make_gauss(int n, int alpha) {
     jacobi(k, k) = static_cast<double>(diagonal(k));
     if (k > 0) jacobi(k, k - 1) = jacobi(k - 1, k) = static_cast<double>(off(k));
   }
-  const Eigen::VectorXd guess = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(jacobi, Eigen::EigenvaluesOnly).eigenvalues();
-  const long double p_first = std::sqrt(0.5L);  // both weights have the mass 2
+  const Eigen::VectorXd guess =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(jacobi, Eigen::EigenvaluesOnly).eigenvalues();
+  const long double p_first = std::sqrt(0.5L); // both weights have the mass 2
   LongRule rule;
   for (int i = 0; i < n; ++i) {
     long double x = guess[i], squares = 0;
@@ -63,7 +64,7 @@ LongRule make_gauss(int n, int alpha) {
       x -= p1 / d1;
     }
     rule.nodes.push_back((1 + x) / 2);
-    rule.weights.push_back(1 / squares / (alpha == 0 ? 2 : 4));  // d(x) and (1 - x) both halve on [0, 1]
+    rule.weights.push_back(1 / squares / (alpha == 0 ? 2 : 4)); // d(x) and (1 - x) both halve on [0, 1]
   }
   return rule;
 }

@@ -8,8 +8,8 @@ namespace iga::prep {
 
 /// Nodes ascending in (0, 1) and positive weights.
 struct LineRule {
-  std::vector<double> nodes;    ///< (n)
-  std::vector<double> weights;  ///< (n)
+  std::vector<double> nodes;   ///< (n)
+  std::vector<double> weights; ///< (n)
 };
 
 /// Gauss–Legendre rule with n points on [0, 1]: exact to degree 2n - 1; weights sum to 1. Computed once and kept.
@@ -19,8 +19,8 @@ const LineRule& gauss_legendre(int n);
 /// Points and weights on the triangle with barycentric weights (1 - s - t, s, t): the collapsed product of a
 /// Gauss–Legendre rule and a Gauss rule for the weight 1 - s.
 template <class T> struct TriangleProductRule {
-  std::vector<T> s, t;     ///< (n)
-  std::vector<T> weights;  ///< (n); sum to 1 (relative to the triangle's area)
+  std::vector<T> s, t;    ///< (n)
+  std::vector<T> weights; ///< (n); sum to 1 (relative to the triangle's area)
 };
 
 /// Exact to total degree `degree` on any triangle. Stroud (1971), conical product. T: double or long double.

@@ -99,8 +99,7 @@ void MomentFitter::fit_prism(std::size_t axis) {
   for (int c = 0; c <= plane[2]; ++c)
     for (int b = 0; b <= plane[1]; ++b)
       for (int a = 0; a <= plane[0]; ++a)
-        plane_moments_.push_back(
-            moments_[static_cast<std::size_t>(a + (degree_[0] + 1) * (b + (degree_[1] + 1) * c))]);
+        plane_moments_.push_back(moments_[static_cast<std::size_t>(a + (degree_[0] + 1) * (b + (degree_[1] + 1) * c))]);
   fit_nnls(plane, plane_moments_, static_cast<int>(axis));
   const LineRule& g = gauss_legendre(product_points(degree_[axis]));
   for (std::size_t i = 0; i < g.nodes.size(); ++i)
@@ -123,7 +122,9 @@ void MomentFitter::fit_free() {
 
 namespace {
 
-std::size_t other_axis(std::size_t axis) { return axis == 0 ? 1 : 0; }
+std::size_t other_axis(std::size_t axis) {
+  return axis == 0 ? 1 : 0;
+}
 
 void shoot(LineCaster& caster, std::size_t axis, int num_lines, int points_per_line, int min_points, int prism_axis,
            std::vector<double>& points) {
@@ -158,8 +159,8 @@ void MomentFitter::shoot_more(int level, int prism_axis) {
   new_points_.clear();
   for (int d = 0; d < 3; ++d)
     if (d != prism_axis)
-      shoot(caster_, static_cast<std::size_t>(d), (prism_axis >= 0 ? 4 : 1) * (q + 1) + (q + 1) * level + d, q + 2 + level,
-            2 + level, prism_axis, new_points_);
+      shoot(caster_, static_cast<std::size_t>(d), (prism_axis >= 0 ? 4 : 1) * (q + 1) + (q + 1) * level + d,
+            q + 2 + level, 2 + level, prism_axis, new_points_);
   if (prism_axis < 0) caster_.append_inward_candidates(2 * q + 2 * level, 2 * moments_.size(), 2 + level, new_points_);
 }
 
@@ -231,8 +232,10 @@ void MomentFitter::take_points() {
 
 // On wedges, corners and thin sheets the Legendre polynomials of the box are almost dependent, and directions of small
 // singular values are drowned. Here the basis is made orthonormal over the candidates first, A^T P = Q R: the rows of Q
-// are the columns of the problem, R^{-T} P^T b its right-hand side, and directions below the rounding of b are left out.
-bool MomentFitter::fit_nnls_whitened(const std::array<int, 3>& degree, std::span<const double> moments, int prism_axis) {
+// are the columns of the problem, R^{-T} P^T b its right-hand side, and directions below the rounding of b are left
+// out.
+bool MomentFitter::fit_nnls_whitened(const std::array<int, 3>& degree, std::span<const double> moments,
+                                     int prism_axis) {
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const auto m = static_cast<Eigen::Index>(moments.size());
   for (int level = 1; candidates_.size() < 3 * 5 * moments.size() && level < 4; ++level) {
@@ -269,7 +272,7 @@ bool MomentFitter::fit_nnls_whitened(const std::array<int, 3>& degree, std::span
     std::vector<std::pair<double, Eigen::Index>> order;
     count = static_cast<Eigen::Index>(new_points_.size() / 3);
     const Eigen::Map<const RowMajor> columns(columns_.data(), count, m);
-    Eigen::VectorXd direction = Eigen::VectorXd::Zero(m);  // r^T R^{-T} P^T as a row over the original columns
+    Eigen::VectorXd direction = Eigen::VectorXd::Zero(m); // r^T R^{-T} P^T as a row over the original columns
     direction.head(rank) = R.triangularView<Eigen::Upper>().solve(r);
     direction = qr.colsPermutation() * direction;
     const Eigen::VectorXd ascent = columns * direction;

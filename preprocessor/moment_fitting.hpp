@@ -13,23 +13,23 @@ enum class SpanShape { Box, Prism, Free };
 
 /// Points of one span. All weights are positive, all points lie strictly inside the solid's part of the span.
 struct SpanRule {
-  std::vector<double> points;   ///< (n × 3), row-major, in spans relative to the span's lower corner, in [0, 1]
-  std::vector<double> weights;  ///< (n); in span volumes
-  double residual = 0;          ///< ‖A w - b‖ / ‖b‖ over all moments in box units, recomputed from points and weights
+  std::vector<double> points;  ///< (n × 3), row-major, in spans relative to the span's lower corner, in [0, 1]
+  std::vector<double> weights; ///< (n); in span volumes
+  double residual = 0; ///< ‖A w - b‖ / ‖b‖ over all moments in box units, recomputed from points and weights
   SpanShape shape = SpanShape::Free;
-  bool refined = false;         ///< needed candidates beyond the first set
+  bool refined = false; ///< needed candidates beyond the first set
   int nnls_steps = 0;
 };
 
 /// Works through spans one at a time; one object per thread, buffers are kept.
 class MomentFitter {
-public:
+ public:
   MomentFitter(const SplineGrid& grid, const Trimming& trimming, const FarMoments& far,
                const std::array<int, 3>& degree, double tolerance);
   /// The rule of the t-th touched span; valid until the next call. Check `residual` against the tolerance.
   const SpanRule& fit(std::size_t touched);
 
-private:
+ private:
   void fit_box();
   void fit_prism(std::size_t axis);
   void fit_free();
@@ -52,16 +52,18 @@ private:
   LineCaster caster_;
   Nnls nnls_;
   SpanRule rule_;
-  std::vector<double> moments_;                 // all moments of the span, box units
+  std::vector<double> moments_;                  // all moments of the span, box units
   std::vector<double> fit_points_, fit_weights_; // of the last NNLS, box units
   Eigen::MatrixXd gram_;
   Eigen::LLT<Eigen::MatrixXd> cholesky_;
-  std::vector<double> rhs_;                      // moments, or their orthonormalised form
+  std::vector<double> rhs_; // moments, or their orthonormalised form
   std::vector<double> candidates_, new_points_, columns_, plane_moments_;
 };
 
 /// Gauss points per direction of a product rule for moments up to degree q: just enough to be exact, at least two so
 /// that a span with one product rule still resists every mode of bending.
-inline int product_points(int q) { return q / 2 + 1 > 2 ? q / 2 + 1 : 2; }
+inline int product_points(int q) {
+  return q / 2 + 1 > 2 ? q / 2 + 1 : 2;
+}
 
 } // namespace iga::prep

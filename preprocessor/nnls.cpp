@@ -208,7 +208,7 @@ Nnls::Status Nnls::solve(double tolerance, int max_steps) {
       continue;
     }
     back_substitute();
-    if (z_[k] <= 0) {  // rounding: this column would leave at once
+    if (z_[k] <= 0) { // rounding: this column would leave at once
       passive_.pop_back();
       w_.pop_back();
       blocked_[j] = 1;
@@ -219,7 +219,8 @@ Nnls::Status Nnls::solve(double tolerance, int max_steps) {
     blocked_[j] = 1;
     axpy(-c_[k], q(k), r_.data(), stride_);
     bool removed = false;
-    while (std::any_of(z_.begin(), z_.begin() + static_cast<std::ptrdiff_t>(passive_.size()), [](double z) { return z <= 0; })) {
+    while (std::any_of(z_.begin(), z_.begin() + static_cast<std::ptrdiff_t>(passive_.size()),
+                       [](double z) { return z <= 0; })) {
       double alpha = 1;
       for (std::size_t i = 0; i < passive_.size(); ++i)
         if (z_[i] <= 0) alpha = std::min(alpha, w_[i] / (w_[i] - z_[i]));

@@ -14,7 +14,7 @@ namespace iga::prep {
 /// kept as A_P = Q R (Gram–Schmidt, twice); a column leaves by Givens rotations. At most m columns are ever passive.
 /// One object per thread: nothing is allocated once the buffers have grown.
 class Nnls {
-public:
+ public:
   /// Starts a new problem with m rows. @param b  (m)
   void start(std::span<const double> b);
   /// Adds candidates to the ones there are; the current solution stays valid.
@@ -28,13 +28,13 @@ public:
 
   std::size_t num_columns() const { return num_columns_; }
   double relative_residual() const;
-  std::span<const double> residual() const { return std::span(r_).first(m_); }  ///< (m) b - A w
+  std::span<const double> residual() const { return std::span(r_).first(m_); } ///< (m) b - A w
   std::size_t num_passive() const { return passive_.size(); }
-  std::size_t passive(std::size_t i) const { return passive_[i]; }   ///< column number
-  double weight(std::size_t i) const { return w_[i]; }               ///< of that column, > 0
+  std::size_t passive(std::size_t i) const { return passive_[i]; } ///< column number
+  double weight(std::size_t i) const { return w_[i]; }             ///< of that column, > 0
   int num_steps() const { return steps_; }
 
-private:
+ private:
   double* q(std::size_t i) { return &Q_[i * stride_]; }
   double* r_column(std::size_t i) { return &R_[i * m_]; }
   bool append(std::size_t column);
@@ -47,11 +47,11 @@ private:
   double norm_b_ = 0;
   int steps_ = 0;
   std::vector<double> b_, r_, c_, z_, w_;
-  std::vector<double> Q_;               // (passive × stride)
-  std::vector<double> R_;               // (passive × m), column i holds rows 0 … i
-  std::vector<Lanes> A_;                // blocks of 8 candidates: [block][row][lane]
-  std::vector<double> inverse_norm_;    // 1 / ‖a_j‖, 0 for padding
-  std::vector<std::uint8_t> blocked_;   // passive, or refused in this step
+  std::vector<double> Q_;             // (passive × stride)
+  std::vector<double> R_;             // (passive × m), column i holds rows 0 … i
+  std::vector<Lanes> A_;              // blocks of 8 candidates: [block][row][lane]
+  std::vector<double> inverse_norm_;  // 1 / ‖a_j‖, 0 for padding
+  std::vector<std::uint8_t> blocked_; // passive, or refused in this step
   std::vector<std::size_t> passive_;
 };
 

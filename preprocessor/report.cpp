@@ -208,7 +208,7 @@ std::string json_report(const PrepReport& r) {
   grid.add("span_size", r.grid.span_size());
   const Rotation& R = r.grid.rotation();
   grid.add("rotation",
-              std::array<double, 9>{R[0][0], R[0][1], R[0][2], R[1][0], R[1][1], R[1][2], R[2][0], R[2][1], R[2][2]});
+           std::array<double, 9>{R[0][0], R[0][1], R[0][2], R[1][0], R[1][1], R[1][2], R[2][0], R[2][1], R[2][2]});
   json.add("grid", grid);
   if (!r.reused) add_run(json, r);
   json.add("peak_memory_mib", r.peak_memory_mib);

@@ -8,7 +8,8 @@ namespace iga::prep {
 constexpr std::size_t lanes = 8;
 using Lanes [[gnu::vector_size(8 * sizeof(double))]] = double;
 
-inline Lanes broadcast(double x) { return Lanes{} + x; }
-inline double sum(const Lanes& x) { return ((x[0] + x[4]) + (x[1] + x[5])) + ((x[2] + x[6]) + (x[3] + x[7])); }
+inline double sum(const Lanes& x) {
+  return ((x[0] + x[4]) + (x[1] + x[5])) + ((x[2] + x[6]) + (x[3] + x[7]));
+}
 
 } // namespace iga::prep

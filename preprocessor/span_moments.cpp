@@ -13,9 +13,9 @@ namespace {
 
 /// What is integrated along the axis of the divergence theorem.
 enum class AxisFactor {
-  One,           ///< F_0 = 1 alone: projected moments
-  ZeroAtLower,   ///< F_a = G_a(x) - G_a(0): the lower face of the box adds nothing
-  ZeroAtUpper    ///< F_a = G_a(x) - G_a(1): the upper face adds nothing (differs from the former in a = 0 only)
+  One,         ///< F_0 = 1 alone: projected moments
+  ZeroAtLower, ///< F_a = G_a(x) - G_a(0): the lower face of the box adds nothing
+  ZeroAtUpper  ///< F_a = G_a(x) - G_a(1): the upper face adds nothing (differs from the former in a = 0 only)
 };
 
 /// Eight points at a time in double precision, or one at a time in extended precision.
@@ -34,16 +34,18 @@ template <> struct BatchTraits<long double> {
 };
 
 /// Quadrature points on the surface, fed in batches to a tensor accumulator:
-/// T[a + (q_a + 1) (b + (q_b + 1) c)] += w · F_a(x_axis) P_b(x_b) P_c(x_c) n_axis; b and c are the other axes, ascending.
+/// T[a + (q_a + 1) (b + (q_b + 1) c)] += w · F_a(x_axis) P_b(x_b) P_c(x_c) n_axis; b and c are the other axes,
+/// ascending.
 template <class Batch> class SurfaceIntegrator {
   using Traits = BatchTraits<Batch>;
   using Scalar = typename Traits::Scalar;
 
-public:
+ public:
   SurfaceIntegrator(std::size_t axis, const std::array<int, 3>& degree, AxisFactor factor)
       : axis_(axis), b_(axis == 0 ? 1 : 0), c_(axis == 2 ? 1 : 2), factor_(factor),
         qa_(factor == AxisFactor::One ? 0 : degree[axis]), qb_(degree[b_]), qc_(degree[c_]),
-        rule_(triangle_product_rule<Scalar>((factor == AxisFactor::One ? 0 : degree[axis] + 1) + degree[b_] + degree[c_])),
+        rule_(triangle_product_rule<Scalar>((factor == AxisFactor::One ? 0 : degree[axis] + 1) + degree[b_] +
+                                            degree[c_])),
         sums_(static_cast<std::size_t>((qa_ + 1) * (qb_ + 1) * (qc_ + 1))) {}
 
   void add_triangle(const Point3& p, const Point3& q, const Point3& r) {
@@ -78,7 +80,7 @@ public:
     flush();
   }
 
-private:
+ private:
   void flush() {
     filled_ = 0;
     if (qa_ == 1 && qb_ == 1 && qc_ == 1) return accumulate<1, 1, 1>();
@@ -89,7 +91,8 @@ private:
     accumulate<-1, -1, -1>();
   }
 
-  // Degrees known at compile time keep the polynomials and, at low degree, the sums in registers; -1 takes them at run time.
+  // Degrees known at compile time keep the polynomials and, at low degree, the sums in registers; -1 takes them at run
+  // time.
   template <int QA, int QB, int QC> void accumulate() {
     const int qa = QA < 0 ? qa_ : QA, qb = QB < 0 ? qb_ : QB, qc = QC < 0 ? qc_ : QC;
     Batch F[max_moment_degree + 1], B[max_moment_degree + 1], C[max_moment_degree + 1];
@@ -124,7 +127,8 @@ private:
 constexpr double thin_part = 1e-2;
 
 bool all_crossed(const std::uint8_t* faces) {
-  return std::all_of(faces, faces + 6, [](std::uint8_t f) { return f == static_cast<std::uint8_t>(FaceState::Crossed); });
+  return std::all_of(faces, faces + 6,
+                     [](std::uint8_t f) { return f == static_cast<std::uint8_t>(FaceState::Crossed); });
 }
 
 Point3 corner_of(const Index3& span) {
@@ -135,7 +139,7 @@ Point3 corner_of(const Index3& span) {
 struct Anchor {
   std::size_t axis = 0;
   bool upper = true;
-  FaceState state = FaceState::Crossed;  ///< Crossed: none of the faces will do
+  FaceState state = FaceState::Crossed; ///< Crossed: none of the faces will do
 };
 
 Anchor choose_anchor(const std::array<FaceState, 6>& faces) {

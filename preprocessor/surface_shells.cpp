@@ -208,8 +208,7 @@ double winding_number(const TriangleMesh& mesh, std::span<const std::int32_t> fa
   double sum = 0;
   for (std::int32_t f : facets) {
     const auto t = static_cast<Index>(f);
-    const Point3 a = minus(corner(mesh, t, 0), x), b = minus(corner(mesh, t, 1), x),
-                 c = minus(corner(mesh, t, 2), x);
+    const Point3 a = minus(corner(mesh, t, 0), x), b = minus(corner(mesh, t, 1), x), c = minus(corner(mesh, t, 2), x);
     const double la = norm(a), lb = norm(b), lc = norm(c);
     const double up = dot(a, cross(b, c));
     const double down = la * lb * lc + dot(a, b) * lc + dot(c, a) * lb + dot(b, c) * la;
@@ -230,8 +229,7 @@ namespace {
 /// the facets of one a little into the other.
 Point3 point_below(const TriangleMesh& mesh, const Shells& shells, Index shell, Index t, double depth) {
   const Point3& x = corner(mesh, t, 0);
-  const Point3 middle =
-      plus(x, times(plus(minus(corner(mesh, t, 1), x), minus(corner(mesh, t, 2), x)), 1.0 / 3));
+  const Point3 middle = plus(x, times(plus(minus(corner(mesh, t, 1), x), minus(corner(mesh, t, 2), x)), 1.0 / 3));
   const Point3 normal = area_vector(mesh, t);
   const double length = norm(normal);
   if (length == 0) return middle;

@@ -20,12 +20,12 @@ constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
 /// First-order moments of a span's own pieces along the three axes, relative to the span's lower corner.
 struct OwnMoments {
-  Point3 area{};       ///< Σ ∫ n_d dA: net projected area
-  Point3 volume{};     ///< Σ ∫ (ξ_d - i_d) n_d dA
-  Point3 magnitude{};  ///< Σ |…| of the same, for the rounding bound
-  Point3 far_area{};   ///< as area, but without pieces flat on the lower face along d
-  std::array<bool, 6> touches{};  ///< a piece that is not flat on a lower face reaches this face of the span
-  bool sliver = true;  ///< every piece stays close to a face
+  Point3 area{};                 ///< Σ ∫ n_d dA: net projected area
+  Point3 volume{};               ///< Σ ∫ (ξ_d - i_d) n_d dA
+  Point3 magnitude{};            ///< Σ |…| of the same, for the rounding bound
+  Point3 far_area{};             ///< as area, but without pieces flat on the lower face along d
+  std::array<bool, 6> touches{}; ///< a piece that is not flat on a lower face reaches this face of the span
+  bool sliver = true;            ///< every piece stays close to a face
 };
 
 OwnMoments own_moments(const SurfacePieces& pieces, std::int64_t first, std::int64_t last, const Point3& corner,
@@ -33,7 +33,7 @@ OwnMoments own_moments(const SurfacePieces& pieces, std::int64_t first, std::int
   OwnMoments m;
   for (std::int64_t q = first; q < last; ++q) {
     const auto polygon = pieces.polygon(q);
-    std::array<double, 6> depth{};  // largest distance of a vertex from each face
+    std::array<double, 6> depth{}; // largest distance of a vertex from each face
     std::array<bool, 6> touches{};
     std::array<Point3, 9> v;
     for (std::size_t a = 0; a < polygon.size(); ++a)
@@ -73,7 +73,7 @@ struct Row {
 
 std::vector<Row> find_rows(const SurfacePieces& pieces, std::int64_t num_u) {
   std::vector<Row> rows;
-  std::int64_t row_end = 0;  // first span behind the row
+  std::int64_t row_end = 0; // first span behind the row
   for (std::size_t t = 0; t < pieces.spans.size(); ++t) {
     if (pieces.spans[t] >= row_end) {
       rows.push_back({t, t});
@@ -84,18 +84,20 @@ std::vector<Row> find_rows(const SurfacePieces& pieces, std::int64_t num_u) {
   return rows;
 }
 
-FaceState uniform(double value) { return value > 0.5 ? FaceState::Full : FaceState::Empty; }
+FaceState uniform(double value) {
+  return value > 0.5 ? FaceState::Full : FaceState::Empty;
+}
 
 struct JudgedVolume {
   double volume = 0;
-  double leak = 0;  ///< how far a uniform face is from being empty or full
+  double leak = 0; ///< how far a uniform face is from being empty or full
 };
 
 // A face that no piece reaches is empty or full; the volume tells which. Returns the volume computed from such faces,
 // which is exact relative to the span's own pieces where the span is nearly empty.
 JudgedVolume judge_faces(const OwnMoments& m, double volume, std::uint8_t* faces) {
   double refined = volume, leak = 0;
-  double smallest = m.magnitude[0] + 1;  // what the row's sum is relative to
+  double smallest = m.magnitude[0] + 1; // what the row's sum is relative to
   for (std::size_t d = 0; d < 3; ++d) {
     const double upper = volume - m.volume[d];
     const double lower = upper + m.far_area[d];
@@ -118,7 +120,7 @@ JudgedVolume judge_faces(const OwnMoments& m, double volume, std::uint8_t* faces
       refined = value;
     }
   }
-  if (std::abs(refined) <= 16 * epsilon * smallest) refined = 0;  // sheets that cancel, not a solid
+  if (std::abs(refined) <= 16 * epsilon * smallest) refined = 0; // sheets that cancel, not a solid
   return {refined, leak};
 }
 
@@ -137,7 +139,7 @@ Trimming trim(const SplineGrid& grid, const TriangleMesh& mesh, const TrimOption
 
   struct RowResult {
     std::int64_t num_active = 0;
-    double volume = 0, snapped = 0, dropped = 0;  // in span volumes
+    double volume = 0, snapped = 0, dropped = 0; // in span volumes
     std::int64_t num_snapped = 0, num_dropped = 0;
     Leak leak;
   };
@@ -146,12 +148,12 @@ Trimming trim(const SplineGrid& grid, const TriangleMesh& mesh, const TrimOption
   tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t r) {
     RowResult& row = results[r];
     const std::int64_t row_start = pieces.spans[rows[r].first] / n[0] * n[0];
-    double right = 0;  // projected area of all pieces further right = the solid's area on the face looked at
+    double right = 0; // projected area of all pieces further right = the solid's area on the face looked at
     std::int64_t next = row_start + n[0];
     const auto note_leak = [&](std::int64_t span, double error) {
       if (error > row.leak.error) row.leak = {grid.span_index(span), error};
     };
-    const auto fill = [&](std::int64_t from, std::int64_t to) {  // untouched spans [from, to)
+    const auto fill = [&](std::int64_t from, std::int64_t to) { // untouched spans [from, to)
       if (from >= to) return;
       const bool inside = right > 0.5;
       note_leak(to - 1, std::abs(right - (inside ? 1.0 : 0.0)));
@@ -180,7 +182,7 @@ Trimming trim(const SplineGrid& grid, const TriangleMesh& mesh, const TrimOption
         state = fraction > 0.5 ? SpanState::Interior : SpanState::Exterior;
         const double change = (state == SpanState::Interior ? 1.0 : 0.0) - fraction;
         row.snapped += change;
-        if (std::abs(change) > 1e-12) ++row.num_snapped;  // more than rounding
+        if (std::abs(change) > 1e-12) ++row.num_snapped; // more than rounding
       } else if (fraction <= 0) {
         state = SpanState::Exterior;
       } else if (fraction < options.min_fraction) {
@@ -209,7 +211,7 @@ Trimming trim(const SplineGrid& grid, const TriangleMesh& mesh, const TrimOption
   out.snapped_volume = static_cast<double>(snapped) * span_volume;
   out.dropped_volume = static_cast<double>(dropped) * span_volume;
 
-  constexpr double leak_noise = 1e-9;  // rounding of a row stays far below this; a missing facet lies far above
+  constexpr double leak_noise = 1e-9; // rounding of a row stays far below this; a missing facet lies far above
   for (const RowResult& row : results)
     if (row.leak.error > leak_noise) out.leaks.push_back(row.leak);
   out.num_leaks = static_cast<std::int64_t>(out.leaks.size());

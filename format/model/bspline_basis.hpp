@@ -22,11 +22,12 @@ void evaluate_basis_derivatives(const KnotVector& knots, std::int64_t span, doub
 /// ∫ N over one span for its p + 1 functions; (p + 1) values in parameter units.
 void integrate_basis(const KnotVector& knots, std::int64_t span, std::span<double> integrals);
 
-/// A spline curve's coefficients on a knot vector of arbitrary multiplicities: the general form that refinement works on.
+/// A spline curve's coefficients on a knot vector of arbitrary multiplicities: the general form that refinement works
+/// on.
 struct SplineCurve {
   int degree = 1;
-  std::vector<double> knots;         ///< (n + degree + 1), ascending
-  std::vector<double> coefficients;  ///< (n)
+  std::vector<double> knots;        ///< (n + degree + 1), ascending
+  std::vector<double> coefficients; ///< (n)
 };
 
 /// Value of the curve at u. @throws InputError unless knots[degree] <= u <= knots[n]

@@ -60,8 +60,9 @@ struct SurfaceIntegrals {
   Sum volume;                ///< ∮ x·n dA / 3, x on the plane of the point's triangle
 };
 
-// Points that lie where they should; their integrals. A point clamped to a span's face leaves its triangle by the sliver
-// depth at most (unless spans were dropped), so the divergence is taken on the triangle's plane, where it is exact.
+// Points that lie where they should; their integrals. A point clamped to a span's face leaves its triangle by the
+// sliver depth at most (unless spans were dropped), so the divergence is taken on the triangle's plane, where it is
+// exact.
 SurfaceIntegrals check_points(const TrimmedModel& m, int limit, std::vector<std::string>& problems) {
   const auto& q = m.surface.quadrature;
   const auto& mesh = m.surface.mesh;
@@ -133,8 +134,8 @@ void check_integrals(const TrimmedModel& m, const SurfaceIntegrals& sums, int li
 
 double iga::surface_depth(const TrimmedModel& m) {
   const Point3 h = m.grid.span_size(), rounding = detail::parameter_rounding(m.grid);
-  return std::hypot(h[0], h[1], h[2]) * (m.quadrature.sliver_tolerance +
-                                         std::max({detail::inside_tolerance, rounding[0], rounding[1], rounding[2]}));
+  return std::hypot(h[0], h[1], h[2]) *
+         (m.quadrature.sliver_tolerance + std::max({detail::inside_tolerance, rounding[0], rounding[1], rounding[2]}));
 }
 
 namespace iga::detail {

@@ -12,7 +12,7 @@ constexpr int max_degree = 4;
 /// Open (clamped) knot vector of degree p over n non-empty, simple knot spans:
 /// knots = { a (p+1 times), inner knots, b (p+1 times) }, n + p functions. Immutable.
 class KnotVector {
-public:
+ public:
   KnotVector() = default;
   /// @param degree  1 … max_degree
   /// @param knots   n + 2p + 1 values, ascending, first and last repeated p + 1 times, inner knots simple
@@ -32,7 +32,7 @@ public:
   /// Mean of the p knots that follow knot i: the coefficient of function i in the identity u = Σ g_i N_i(u).
   double greville(std::int64_t function) const;
 
-private:
+ private:
   int degree_ = 1;
   std::vector<double> knots_;
 };

@@ -36,8 +36,8 @@ SplineGrid::SplineGrid(const Point3& A, const Point3& B, const Index3& spans, co
     : A_(A), B_(B), R_(R) {
   for (std::size_t d = 0; d < 3; ++d) {
     if (!std::isfinite(A[d]) || !std::isfinite(B[d]) || !(A[d] < B[d]))
-      throw InputError(fmt::format("the grid's box is empty along {}: from {} to {}; B must lie beyond A", "xyz"[d], A[d],
-                                   B[d]));
+      throw InputError(
+          fmt::format("the grid's box is empty along {}: from {} to {}; B must lie beyond A", "xyz"[d], A[d], B[d]));
     knots_[d] = KnotVector::uniform(degree[d], A[d], B[d], spans[d]);
     C_[d] = A[d] + 0.5 * (B[d] - A[d]);
     h_[d] = (B[d] - A[d]) / static_cast<double>(spans[d]);

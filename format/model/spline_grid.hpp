@@ -8,13 +8,13 @@
 
 namespace iga {
 
-using Rotation = std::array<std::array<double, 3>, 3>;  ///< R[row][column]; columns are the grid axes in space
+using Rotation = std::array<std::array<double, 3>, 3>; ///< R[row][column]; columns are the grid axes in space
 constexpr Rotation identity_rotation{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 
 /// A box A … B cut into equal spans, rotated about its centre C = (A + B) / 2: x = C + R (u - C).
 /// Numbers of spans and functions run u fastest, then v, then w: number = i + n_u (j + n_v k).
 class SplineGrid {
-public:
+ public:
   SplineGrid() = default;
   /// @throws InputError for an empty box, counts < 1, degrees outside 1 … max_degree, or an R that is no rotation
   SplineGrid(const Point3& A, const Point3& B, const Index3& spans, const std::array<int, 3>& degree,
@@ -29,7 +29,7 @@ public:
   Index3 functions() const { return {knots_[0].num_functions(), knots_[1].num_functions(), knots_[2].num_functions()}; }
   std::int64_t num_spans() const;
   std::int64_t num_functions() const;
-  Point3 span_size() const { return h_; }             ///< length per direction
+  Point3 span_size() const { return h_; } ///< length per direction
   double span_volume() const { return h_[0] * h_[1] * h_[2]; }
 
   std::int64_t span_number(const Index3& ijk) const { return number(ijk, spans()); }
@@ -45,7 +45,7 @@ public:
   /// Control point of function (i, j, k): the position of its Greville parameters.
   Point3 control_point(const Index3& ijk) const;
 
-private:
+ private:
   static std::int64_t number(const Index3& i, const Index3& n) { return i[0] + n[0] * (i[1] + n[1] * i[2]); }
   static Index3 index(std::int64_t m, const Index3& n) { return {m % n[0], (m / n[0]) % n[1], m / (n[0] * n[1])}; }
 

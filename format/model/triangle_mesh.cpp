@@ -8,11 +8,15 @@ namespace iga {
 
 namespace {
 
-Point3 minus(const Point3& a, const Point3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+Point3 minus(const Point3& a, const Point3& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
 Point3 cross(const Point3& a, const Point3& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
-double dot(const Point3& a, const Point3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+double dot(const Point3& a, const Point3& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 const Point3& corner(const TriangleMesh& mesh, const Triangle& t, std::size_t i) {
   return mesh.vertices[static_cast<std::size_t>(t[i])];
 }
@@ -34,7 +38,8 @@ Box3 bounding_box(const TriangleMesh& mesh) {
 double surface_area(const TriangleMesh& mesh) {
   double area = 0;
   for (const Triangle& t : mesh.triangles) {
-    const Point3 n = cross(minus(corner(mesh, t, 1), corner(mesh, t, 0)), minus(corner(mesh, t, 2), corner(mesh, t, 0)));
+    const Point3 n =
+        cross(minus(corner(mesh, t, 1), corner(mesh, t, 0)), minus(corner(mesh, t, 2), corner(mesh, t, 0)));
     area += 0.5 * std::sqrt(dot(n, n));
   }
   return area;
@@ -49,9 +54,11 @@ VolumeMoments volume_moments(const TriangleMesh& mesh) {
   constexpr std::array<std::array<std::size_t, 2>, 6> pairs{{{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {2, 0}}};
   Point3 first{};
   std::array<double, 6> second{};
-  // Signed tetrahedra (centre, a, b, c): ∫ 1 = V, ∫ r = V s/4, ∫ r r = V (s s + Σ p p)/20 with s the sum of the corners.
+  // Signed tetrahedra (centre, a, b, c): ∫ 1 = V, ∫ r = V s/4, ∫ r r = V (s s + Σ p p)/20 with s the sum of the
+  // corners.
   for (const Triangle& t : mesh.triangles) {
-    const std::array<Point3, 3> p{minus(corner(mesh, t, 0), c), minus(corner(mesh, t, 1), c), minus(corner(mesh, t, 2), c)};
+    const std::array<Point3, 3> p{minus(corner(mesh, t, 0), c), minus(corner(mesh, t, 1), c),
+                                  minus(corner(mesh, t, 2), c)};
     const double v = dot(p[0], cross(p[1], p[2])) / 6;
     m.volume += v;
     for (std::size_t d = 0; d < 3; ++d) first[d] += v * (p[0][d] + p[1][d] + p[2][d]) / 4;

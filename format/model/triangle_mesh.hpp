@@ -10,17 +10,17 @@ namespace iga {
 
 /// Flat triangle mesh. Closed and outward-oriented where a function says so.
 struct TriangleMesh {
-  std::vector<Point3> vertices;            ///< (n_v × 3); position, length
-  std::vector<Triangle> triangles;         ///< (n_t × 3); vertex numbers
-  std::vector<std::int32_t> region;        ///< (n_t); index into region_names
-  std::vector<std::string> region_names;   ///< at least one
+  std::vector<Point3> vertices;          ///< (n_v × 3); position, length
+  std::vector<Triangle> triangles;       ///< (n_t × 3); vertex numbers
+  std::vector<std::int32_t> region;      ///< (n_t); index into region_names
+  std::vector<std::string> region_names; ///< at least one
 };
 
 /// Volume, centroid and second moments of a closed surface.
 struct VolumeMoments {
-  double volume = 0;                              ///< length³; negative where the surface is inside out
-  Point3 centroid{};                              ///< length
-  std::array<double, 6> second_moments{};         ///< ∫ r_a r_b dV about the centroid: xx yy zz xy yz zx, length⁵
+  double volume = 0;                      ///< length³; negative where the surface is inside out
+  Point3 centroid{};                      ///< length
+  std::array<double, 6> second_moments{}; ///< ∫ r_a r_b dV about the centroid: xx yy zz xy yz zx, length⁵
 };
 
 Box3 bounding_box(const TriangleMesh& mesh);

@@ -43,8 +43,8 @@ std::size_t expect_inside(const SplineGrid& grid, const TriangleMesh& mesh) {
   return checked;
 }
 
-// The box around a triangular corner has the corner's long edge as its diagonal, and lattice lines lie on it: there they
-// graze the fold between two sheets.
+// The box around a triangular corner has the corner's long edge as its diagonal, and lattice lines lie on it: there
+// they graze the fold between two sheets.
 TEST(Candidates, LinesThatGrazeAFoldAddNothingOutside) {
   const SplineGrid grid({0, 0, 0}, {4, 4, 4}, {4, 4, 4}, {2, 2, 2});
   const double s = 0.4, t = 1e-3;

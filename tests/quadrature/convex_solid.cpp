@@ -8,11 +8,15 @@ namespace iga::test {
 
 namespace {
 
-Long3 minus(const Long3& a, const Long3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+Long3 minus(const Long3& a, const Long3& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
 Long3 cross(const Long3& a, const Long3& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
-long double dot(const Long3& a, const Long3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+long double dot(const Long3& a, const Long3& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 
 struct LongRule {
   std::vector<long double> x, w;
@@ -142,7 +146,8 @@ std::vector<long double> legendre_moments(const Polyhedron& solid, const Box3& b
   long double P[3][16];
   for (const auto& face : solid)
     for (std::size_t a = 1; a + 1 < face.size(); ++a) {
-      const Long3 p = minus(to_box(face[0]), apex), q = minus(to_box(face[a]), apex), r = minus(to_box(face[a + 1]), apex);
+      const Long3 p = minus(to_box(face[0]), apex), q = minus(to_box(face[a]), apex),
+                  r = minus(to_box(face[a + 1]), apex);
       const long double volume = dot(p, cross(q, r));
       for (std::size_t i = 0; i < n; ++i)
         for (std::size_t j = 0; j < n; ++j)

@@ -78,8 +78,7 @@ TEST(Legendre, IntegralsDifferentiateBackToThePolynomials) {
     legendre(x, q, P);
     legendre_integrals(x - h, q, low);
     legendre_integrals(x + h, q, high);
-    for (int a = 0; a <= q; ++a)
-      EXPECT_NEAR(static_cast<double>((high[a] - low[a]) / (2 * h) - P[a]), 0, 1e-6) << a;
+    for (int a = 0; a <= q; ++a) EXPECT_NEAR(static_cast<double>((high[a] - low[a]) / (2 * h) - P[a]), 0, 1e-6) << a;
   }
 }
 

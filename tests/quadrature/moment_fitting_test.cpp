@@ -33,7 +33,8 @@ std::vector<Fitted> fit_all(const SplineGrid& grid, const TriangleMesh& mesh, co
   MomentFitter fitter(grid, trimming, far, degree, 1e-10);
   std::vector<Fitted> rules;
   for (std::size_t t = 0; t < trimming.pieces.spans.size(); ++t)
-    if (trimming.state[static_cast<std::size_t>(trimming.pieces.spans[t])] == static_cast<std::uint8_t>(SpanState::Trimmed))
+    if (trimming.state[static_cast<std::size_t>(trimming.pieces.spans[t])] ==
+        static_cast<std::uint8_t>(SpanState::Trimmed))
       rules.push_back({grid.span_index(trimming.pieces.spans[t]), fitter.fit(t)});
   return rules;
 }
@@ -43,8 +44,8 @@ std::vector<Fitted> fit_all(const SplineGrid& grid, const TriangleMesh& mesh, co
 void expect_valid(const SplineGrid& grid, const TriangleMesh& mesh, const Fitted& f, const std::array<int, 3>& degree) {
   const auto planes = half_spaces(to_span_units(grid, mesh), mesh.triangles);
   const auto num_moments = static_cast<std::size_t>((degree[0] + 1) * (degree[1] + 1) * (degree[2] + 1));
-  const auto box_points = static_cast<std::size_t>(product_points(degree[0]) * product_points(degree[1]) *
-                                                   product_points(degree[2]));
+  const auto box_points =
+      static_cast<std::size_t>(product_points(degree[0]) * product_points(degree[1]) * product_points(degree[2]));
   EXPECT_LE(f.rule.weights.size(), std::max(num_moments, box_points));
   ASSERT_FALSE(f.rule.weights.empty());
   EXPECT_LE(f.rule.residual, 1e-10);

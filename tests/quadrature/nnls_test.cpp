@@ -55,7 +55,9 @@ Vector reference_nnls(const Matrix& A, const Vector& b) {
   return w;
 }
 
-std::span<const double> data(const Vector& v) { return {v.data(), static_cast<std::size_t>(v.size())}; }
+std::span<const double> data(const Vector& v) {
+  return {v.data(), static_cast<std::size_t>(v.size())};
+}
 
 void add(Nnls& nnls, const Matrix& A) { // column-major: one candidate after the other
   nnls.add_columns({A.data(), static_cast<std::size_t>(A.size())}, static_cast<std::size_t>(A.cols()));
@@ -135,7 +137,7 @@ TEST(Nnls, DuplicatedAndDependentColumns) {
   for (int problem = 0; problem < 20; ++problem) {
     const Matrix half = random_matrix(8, 10, random);
     Matrix A(8, 30);
-    A << half, half, 2 * half;                             // each column three times
+    A << half, half, 2 * half; // each column three times
     A.col(29) = A.col(0) + A.col(1);
     const Vector b = random_matrix(8, 1, random);
     Nnls nnls;

@@ -72,7 +72,8 @@ QuadratureResult fit(const SplineGrid& grid, const Trimming& trimming, int momen
 }
 
 bool is_trimmed(const Trimming& trimming, std::size_t active) {
-  return trimming.state[static_cast<std::size_t>(trimming.active[active])] == static_cast<std::uint8_t>(SpanState::Trimmed);
+  return trimming.state[static_cast<std::size_t>(trimming.active[active])] ==
+         static_cast<std::uint8_t>(SpanState::Trimmed);
 }
 
 class SharedPart : public testing::TestWithParam<Case> {};
@@ -103,8 +104,10 @@ TEST_P(SharedPart, EverySpanIsFittedWithPointsInside) {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, trimming.active.size(), 16), [&](const auto& range) {
     for (std::size_t a = range.begin(); a != range.end(); ++a) {
       if (!is_trimmed(trimming, a)) continue;
-      for (auto g = static_cast<std::size_t>(points.offsets[a]); g < static_cast<std::size_t>(points.offsets[a + 1]); ++g) {
-        const Point3 x = grid.to_position({points.parameters[3 * g], points.parameters[3 * g + 1], points.parameters[3 * g + 2]});
+      for (auto g = static_cast<std::size_t>(points.offsets[a]); g < static_cast<std::size_t>(points.offsets[a + 1]);
+           ++g) {
+        const Point3 x =
+            grid.to_position({points.parameters[3 * g], points.parameters[3 * g + 1], points.parameters[3 * g + 2]});
         const Kernel::Point_3 p(x[0], x[1], x[2]);
         if (side(p) == CGAL::ON_UNBOUNDED_SIDE && std::sqrt(tree.squared_distance(p)) > 1e-9 * size_of(mesh)) ++outside;
       }
@@ -118,21 +121,22 @@ TEST_P(SharedPart, EverySpanIsFittedWithPointsInside) {
 }
 
 // All valid parts at degree 2; some at degrees 3 and 4 and with moments of twice the degree.
-INSTANTIATE_TEST_SUITE_P(
-    Degree2, SharedPart,
-    testing::Values(Case{"1002_tray_bottom.STL", 2, 20, 2}, Case{"20mm-xyz-cube.stl", 2, 20, 2},
-                    Case{"7_8ths_cube.stl", 2, 20, 2}, Case{"ADIS16480.STL", 2, 20, 2},
-                    Case{"A_Drive_Frame_Upper_x1.stl", 2, 20, 2}, Case{"Rear_Bed_Mount_Right_x1.stl", 2, 20, 2},
-                    Case{"Spool_Holder_x1.STL", 2, 20, 2}, Case{"X_Carriage_x1.stl", 2, 20, 2},
-                    Case{"angle_block.STL", 2, 20, 2}, Case{"busted.STL", 2, 20, 2}, Case{"cube_rot.stl", 2, 20, 2},
-                    Case{"cube_theta0_aligned.stl", 2, 20, 2}, Case{"cube_theta3.stl", 2, 20, 2},
-                    Case{"cyl_r40_h100.stl", 2, 20, 2}, Case{"cylinder.stl", 2, 20, 2}, Case{"elephant.stl", 2, 20, 2},
-                    Case{"featuretype.STL", 2, 20, 2}, Case{"idler_riser.STL", 2, 20, 2},
-                    Case{"large_block_obb.STL", 2, 20, 2}, Case{"octagonal_pocket.stl", 2, 20, 2},
-                    Case{"plate_holes.STL", 2, 20, 2}, Case{"plate_rot_t0.005.stl", 2, 20, 2},
-                    Case{"round.stl", 2, 20, 2}, Case{"torus.STL", 2, 20, 2},
-                    Case{"two_objects_mixed_case_names.stl", 2, 20, 2}, Case{"unit_cube.STL", 2, 20, 2},
-                    Case{"unit_sphere.STL", 2, 20, 2}));
+INSTANTIATE_TEST_SUITE_P(Degree2, SharedPart,
+                         testing::Values(Case{"1002_tray_bottom.STL", 2, 20, 2}, Case{"20mm-xyz-cube.stl", 2, 20, 2},
+                                         Case{"7_8ths_cube.stl", 2, 20, 2}, Case{"ADIS16480.STL", 2, 20, 2},
+                                         Case{"A_Drive_Frame_Upper_x1.stl", 2, 20, 2},
+                                         Case{"Rear_Bed_Mount_Right_x1.stl", 2, 20, 2},
+                                         Case{"Spool_Holder_x1.STL", 2, 20, 2}, Case{"X_Carriage_x1.stl", 2, 20, 2},
+                                         Case{"angle_block.STL", 2, 20, 2}, Case{"busted.STL", 2, 20, 2},
+                                         Case{"cube_rot.stl", 2, 20, 2}, Case{"cube_theta0_aligned.stl", 2, 20, 2},
+                                         Case{"cube_theta3.stl", 2, 20, 2}, Case{"cyl_r40_h100.stl", 2, 20, 2},
+                                         Case{"cylinder.stl", 2, 20, 2}, Case{"elephant.stl", 2, 20, 2},
+                                         Case{"featuretype.STL", 2, 20, 2}, Case{"idler_riser.STL", 2, 20, 2},
+                                         Case{"large_block_obb.STL", 2, 20, 2}, Case{"octagonal_pocket.stl", 2, 20, 2},
+                                         Case{"plate_holes.STL", 2, 20, 2}, Case{"plate_rot_t0.005.stl", 2, 20, 2},
+                                         Case{"round.stl", 2, 20, 2}, Case{"torus.STL", 2, 20, 2},
+                                         Case{"two_objects_mixed_case_names.stl", 2, 20, 2},
+                                         Case{"unit_cube.STL", 2, 20, 2}, Case{"unit_sphere.STL", 2, 20, 2}));
 INSTANTIATE_TEST_SUITE_P(HigherDegrees, SharedPart,
                          testing::Values(Case{"busted.STL", 3, 20, 3}, Case{"torus.STL", 3, 20, 3},
                                          Case{"plate_rot_t0.005.stl", 3, 20, 3}, Case{"plate_rot_t0.005.stl", 4, 20, 4},
@@ -158,10 +162,10 @@ TEST(SharedParts, MomentsAgreeWithClipsByCgal) {
       gather_local_surface(grid, trimming, t, local);
       std::array<double, 8> m;
       span_moments(local, far.find(t), {1, 1, 1}, m.data());
-      const TriangleMesh cube = box({static_cast<double>(local.span[0]), static_cast<double>(local.span[1]),
-                                     static_cast<double>(local.span[2])},
-                                    {static_cast<double>(local.span[0] + 1), static_cast<double>(local.span[1] + 1),
-                                     static_cast<double>(local.span[2] + 1)});
+      const TriangleMesh cube = box(
+          {static_cast<double>(local.span[0]), static_cast<double>(local.span[1]), static_cast<double>(local.span[2])},
+          {static_cast<double>(local.span[0] + 1), static_cast<double>(local.span[1] + 1),
+           static_cast<double>(local.span[2] + 1)});
       Mesh clipped = whole, clipper = cgal_mesh(cube.vertices, cube.triangles);
       if (!PMP::clip(clipped, clipper, CGAL::parameters::clip_volume(true))) continue;
       PMP::triangulate_faces(clipped);
@@ -211,8 +215,8 @@ Outcome run(const TriangleMesh& mesh) {
 }
 
 // A factor of two changes no bit. Other factors and shifts round the vertices (a shift by 1e4 sizes at 1e-12 of the
-// size), and NNLS then chooses otherwise between nearly equal candidates in single spans: states, fractions and numbers of
-// points stay, positions only where the choice does.
+// size), and NNLS then chooses otherwise between nearly equal candidates in single spans: states, fractions and numbers
+// of points stay, positions only where the choice does.
 TEST(SharedParts, ScaleAndPlaceDoNotMatter) {
   for (const char* part : {"busted.STL", "torus.STL"}) {
     SCOPED_TRACE(part);
@@ -235,17 +239,13 @@ TEST(SharedParts, ScaleAndPlaceDoNotMatter) {
       std::size_t moved = 0;
       for (std::size_t a = 0; a + 1 < p.offsets.size(); ++a) {
         double worst = 0;
-        for (auto g = 3 * static_cast<std::size_t>(p.offsets[a]); g < 3 * static_cast<std::size_t>(p.offsets[a + 1]); ++g)
+        for (auto g = 3 * static_cast<std::size_t>(p.offsets[a]); g < 3 * static_cast<std::size_t>(p.offsets[a + 1]);
+             ++g)
           worst = std::max(worst, std::abs((q.parameters[g] - changed.grid.A()[g % 3]) / scale -
                                            (p.parameters[g] - original.grid.A()[g % 3])));
         moved += worst > tolerance * size;
       }
-      RecordProperty("spans with other points", static_cast<int>(moved));
-      std::cout << "scale " << scale << ", shift " << shift[0] << ": other points in " << moved << " of "
-                << p.offsets.size() - 1 << " spans\n";
-      if (scale == 1024) {
-        EXPECT_EQ(moved, 0u);
-      }
+      EXPECT_EQ(moved, 0u) << "spans with other points, of " << p.offsets.size() - 1;
     };
     for (const double scale : {1e-6, 1e-3, 1e3, 1e6}) compare(scale, {0, 0, 0}, 1e-9);
     compare(1024, {0, 0, 0}, 1e-15);
@@ -263,7 +263,8 @@ TEST(SharedParts, OneAndTwoThreadsGiveTheSameBytes) {
     for (std::size_t threads : {1, 2}) {
       const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
       out[threads - 1] = run(mesh);
-      mass[threads - 1] = function_mass(out[threads - 1].grid, out[threads - 1].trimming, out[threads - 1].result.points);
+      mass[threads - 1] =
+          function_mass(out[threads - 1].grid, out[threads - 1].trimming, out[threads - 1].result.points);
     }
     const Trimming &s = out[0].trimming, &t = out[1].trimming;
     EXPECT_EQ(s.state, t.state);

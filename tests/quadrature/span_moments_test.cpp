@@ -101,8 +101,8 @@ TEST(SpanMoments, TinyCornersAndNeedles) {
     const TriangleMesh needle =
         transformed(box({0, 0, 0}, {1, 0.2 * thin, 0.3 * thin}), rotation(19.0 + 31 * k, 7.0 + 13 * k), {});
     compare(grid_around(needle, 0.19, 2, 0.1 * k), needle, {3, 3, 3}, seen, 8);
-    const TriangleMesh wedge = transformed(prism({{0, 0}, {1, 0}, {1, thin}}, {{0, 1, 2}}, 0, 1),
-                                           rotation(9.0 + 31 * k, 17.0 + 13 * k), {});
+    const TriangleMesh wedge =
+        transformed(prism({{0, 0}, {1, 0}, {1, thin}}, {{0, 1, 2}}, 0, 1), rotation(9.0 + 31 * k, 17.0 + 13 * k), {});
     compare(grid_around(wedge, 0.29, 2, 0.1 * k), wedge, {2, 2, 2}, seen, 8);
   }
   EXPECT_GT(seen.thin, 10);

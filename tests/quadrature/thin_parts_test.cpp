@@ -65,9 +65,13 @@ void expect_thin_parts(bool needles) {
   }
 }
 
-TEST(ThinParts, PlatesAndWedges) { expect_thin_parts(false); }
+TEST(ThinParts, PlatesAndWedges) {
+  expect_thin_parts(false);
+}
 
-TEST(ThinParts, Needles) { expect_thin_parts(true); }
+TEST(ThinParts, Needles) {
+  expect_thin_parts(true);
+}
 
 } // namespace
 } // namespace iga::prep

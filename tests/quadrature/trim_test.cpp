@@ -104,8 +104,8 @@ TEST(Trim, TorusWhoseVerticesLieInGridPlanes) {
 }
 
 TEST(Trim, CavityIsExterior) {
-  const TriangleMesh mesh =
-      join({box({1, 1, 1}, {9, 9, 9}), flipped(transformed(box({-2, -2, -2}, {2, 2, 2}), rotation(20, 30), {5, 5, 5}))});
+  const TriangleMesh mesh = join(
+      {box({1, 1, 1}, {9, 9, 9}), flipped(transformed(box({-2, -2, -2}, {2, 2, 2}), rotation(20, 30), {5, 5, 5}))});
   const SplineGrid grid = unit_grid(10);
   const Trimming trimming = trim(grid, mesh, {});
   EXPECT_NEAR(trimming.exact_volume, 512 - 64, 1e-11);
@@ -137,7 +137,8 @@ TEST(Trim, CornerOfSmallVolumeButRealDepthIsKept) {
   EXPECT_EQ(state_at(grid, trimming, {5, 1, 1}), SpanState::Trimmed);
   const auto a = std::find(trimming.active.begin(), trimming.active.end(), grid.span_number({5, 1, 1}));
   ASSERT_NE(a, trimming.active.end());
-  EXPECT_NEAR(trimming.fraction[static_cast<std::size_t>(a - trimming.active.begin())], d * d * d / 6, 1e-10 * d * d * d);
+  EXPECT_NEAR(trimming.fraction[static_cast<std::size_t>(a - trimming.active.begin())], d * d * d / 6,
+              1e-10 * d * d * d);
   EXPECT_NEAR(trimming.exact_volume, std::pow(4 + d, 3) / 6, 1e-12);
 }
 
