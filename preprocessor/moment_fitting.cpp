@@ -234,7 +234,7 @@ void MomentFitter::take_points() {
 // singular values are drowned. Here the basis is made orthonormal over the candidates first, A^T P = Q R: the rows of Q
 // are the columns of the problem, R^{-T} P^T b its right-hand side, and directions below the rounding of b are left
 // out.
-bool MomentFitter::fit_nnls_whitened(const std::array<int, 3>& degree, std::span<const double> moments,
+void MomentFitter::fit_nnls_whitened(const std::array<int, 3>& degree, std::span<const double> moments,
                                      int prism_axis) {
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const auto m = static_cast<Eigen::Index>(moments.size());
@@ -262,7 +262,7 @@ bool MomentFitter::fit_nnls_whitened(const std::array<int, 3>& degree, std::span
     const auto status = nnls_.solve(safety * tolerance_, 5 * static_cast<int>(m));
     if (status == Nnls::Status::Converged || level > max_levels) {
       rule_.nnls_steps += nnls_.num_steps();
-      return status == Nnls::Status::Converged;
+      return;
     }
     // The residual is a polynomial with a positive integral over the solid: it is positive somewhere inside, and only
     // candidates where it is can lower it.

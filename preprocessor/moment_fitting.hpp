@@ -35,7 +35,7 @@ class MomentFitter {
   void fit_free();
   void fit_nnls(const std::array<int, 3>& degree, std::span<const double> moments, int prism_axis);
   bool whiten_by_cholesky(std::size_t count);
-  bool fit_nnls_whitened(const std::array<int, 3>& degree, std::span<const double> moments, int prism_axis);
+  void fit_nnls_whitened(const std::array<int, 3>& degree, std::span<const double> moments, int prism_axis);
   void take_points();
   void shoot_first(int prism_axis, std::size_t num_moments);
   void shoot_more(int level, int prism_axis);

@@ -95,7 +95,7 @@ template <class Batch> class SurfaceIntegrator {
   // time.
   template <int QA, int QB, int QC> void accumulate() {
     const int qa = QA < 0 ? qa_ : QA, qb = QB < 0 ? qb_ : QB, qc = QC < 0 ? qc_ : QC;
-    Batch F[max_moment_degree + 1], B[max_moment_degree + 1], C[max_moment_degree + 1];
+    Batch F[max_moment_degree + 1]{}, B[max_moment_degree + 1]{}, C[max_moment_degree + 1]{};
     if (factor_ == AxisFactor::One)
       F[0] = Batch{} + 1.0;
     else

@@ -1,5 +1,7 @@
 #include "preprocessor/surface_stitch.hpp"
 
+#include "preprocessor/spatial_bin.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -96,26 +98,16 @@ struct Match {
   bool opposite; ///< the edges run in opposite directions, as neighbours do
 };
 
-using Cell = std::array<std::int64_t, 3>;
-struct CellHash {
-  std::size_t operator()(const Cell& c) const {
-    const auto mix = static_cast<std::uint64_t>(c[0]) * 0x9E3779B97F4A7C15ULL ^
-                     static_cast<std::uint64_t>(c[1]) * 0xC2B2AE3D27D4EB4FULL ^
-                     static_cast<std::uint64_t>(c[2]) * 0x165667B19E3779F9ULL;
-    return static_cast<std::size_t>(mix ^ (mix >> 29));
-  }
-};
-
 std::vector<Match> find_matches(const TriangleMesh& mesh, const std::vector<OpenEdge>& edges, double gap,
                                 double max_ratio) {
   const Point3 base = bounding_box(mesh).lower;
-  std::unordered_map<Cell, std::vector<Index>, CellHash> cells;
+  std::unordered_map<SpatialBin, std::vector<Index>, SpatialBinHash> cells;
   const auto apart = [&](std::int32_t a, std::int32_t b) {
     return norm(minus(mesh.vertices[static_cast<Index>(a)], mesh.vertices[static_cast<Index>(b)]));
   };
   std::vector<Match> out;
   for (Index e = 0; e < edges.size(); ++e) {
-    Cell cell{};
+    SpatialBin cell{};
     for (Index d = 0; d < 3; ++d) cell[d] = static_cast<std::int64_t>(std::floor((edges[e].middle[d] - base[d]) / gap));
     for (std::int64_t i = -1; i <= 1; ++i)
       for (std::int64_t j = -1; j <= 1; ++j)

@@ -1,6 +1,7 @@
 #include "preprocessor/surface_weld.hpp"
 
 #include "preprocessor/disjoint_sets.hpp"
+#include "preprocessor/spatial_bin.hpp"
 
 #include <algorithm>
 #include <array>
@@ -45,16 +46,6 @@ std::vector<std::int32_t> open_vertices(const TriangleMesh& mesh) {
   return out;
 }
 
-using Cell = std::array<std::int64_t, 3>;
-struct CellHash {
-  std::size_t operator()(const Cell& c) const {
-    const auto mix = static_cast<std::uint64_t>(c[0]) * 0x9E3779B97F4A7C15ULL ^
-                     static_cast<std::uint64_t>(c[1]) * 0xC2B2AE3D27D4EB4FULL ^
-                     static_cast<std::uint64_t>(c[2]) * 0x165667B19E3779F9ULL;
-    return static_cast<std::size_t>(mix ^ (mix >> 29));
-  }
-};
-
 /// Union-find over `candidates` within `tolerance`; the smallest number of a cluster is its root.
 std::vector<std::int32_t> near_roots(const TriangleMesh& mesh, const std::vector<std::int32_t>& candidates,
                                      double tolerance) {
@@ -62,11 +53,11 @@ std::vector<std::int32_t> near_roots(const TriangleMesh& mesh, const std::vector
   std::iota(parent.begin(), parent.end(), 0);
   const Point3 base = bounding_box(mesh).lower;
   const double width = 8 * tolerance; // wide cells: the ball rarely reaches a neighbour
-  std::unordered_map<Cell, std::vector<std::int32_t>, CellHash> cells;
+  std::unordered_map<SpatialBin, std::vector<std::int32_t>, SpatialBinHash> cells;
   cells.reserve(candidates.size());
   for (std::int32_t v : candidates) {
     const Point3& x = mesh.vertices[static_cast<Index>(v)];
-    Cell cell{}, low{}, high{};
+    SpatialBin cell{}, low{}, high{};
     for (Index d = 0; d < 3; ++d) {
       const double at = (x[d] - base[d]) / width;
       cell[d] = static_cast<std::int64_t>(std::floor(at));

@@ -28,18 +28,6 @@ using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
 using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, CGAL::AABB_face_graph_triangle_primitive<Mesh>>>;
 
-/// Closed only after welding at this share of the diagonal (the parts' origin notes say so).
-double weld_of(const std::string& name) {
-  for (const char* coarse : {"angle_block.STL", "featuretype.STL", "idler_riser.STL", "octagonal_pocket.stl"})
-    if (name == coarse) return 1e-6;
-  return 0;
-}
-
-double diagonal(const TriangleMesh& mesh) {
-  const Box3 b = bounding_box(mesh);
-  return std::hypot(b.upper[0] - b.lower[0], b.upper[1] - b.lower[1], b.upper[2] - b.lower[2]);
-}
-
 class CgalJudge {
  public:
   explicit CgalJudge(const TriangleMesh& mesh) {

@@ -199,4 +199,15 @@ std::filesystem::path shared_part(const std::string& name) {
   return std::filesystem::exists(path) ? path : std::filesystem::path{};
 }
 
+double weld_of(const std::string& name) {
+  for (const char* coarse : {"angle_block.STL", "featuretype.STL", "idler_riser.STL", "octagonal_pocket.stl"})
+    if (name == coarse) return 1e-6;
+  return 0;
+}
+
+double diagonal(const TriangleMesh& mesh) {
+  const Box3 b = bounding_box(mesh);
+  return std::hypot(b.upper[0] - b.lower[0], b.upper[1] - b.lower[1], b.upper[2] - b.lower[2]);
+}
+
 } // namespace iga::test

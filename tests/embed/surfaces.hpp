@@ -32,5 +32,10 @@ SplineGrid grid_with(const TriangleMesh& mesh, int count, int degree);
 TriangleMesh read_stl(const std::filesystem::path& file, double weld = 0);
 /// Path of a shared test part; empty where the folder is absent.
 std::filesystem::path shared_part(const std::string& name);
+/// Share of the diagonal at which a part of the shared folder `valid` must be welded to be closed (its origin notes say
+/// which: most need none).
+double weld_of(const std::string& name);
+/// Length of the bounding box's diagonal.
+double diagonal(const TriangleMesh& mesh);
 
 } // namespace iga::test

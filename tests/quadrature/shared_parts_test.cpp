@@ -40,13 +40,9 @@ std::ostream& operator<<(std::ostream& out, const Case& c) {
   return out << c.part << " p" << c.degree << " n" << c.spans << " q" << c.moment_degree;
 }
 
-/// Closed only after welding at this share of the diagonal (the parts' origin notes say so).
 TriangleMesh load(const std::string& name) {
-  double weld = 0;
-  for (const char* coarse : {"angle_block.STL", "featuretype.STL", "idler_riser.STL", "octagonal_pocket.stl"})
-    if (name == coarse) weld = 1e-6;
   const auto file = shared_part("valid/" + name);
-  return file.empty() ? TriangleMesh{} : read_stl(file, weld);
+  return file.empty() ? TriangleMesh{} : read_stl(file, weld_of(name));
 }
 
 Mesh cgal_mesh(const std::vector<Point3>& vertices, const std::vector<Triangle>& triangles) {
@@ -58,11 +54,6 @@ Mesh cgal_mesh(const std::vector<Point3>& vertices, const std::vector<Triangle>&
   Mesh mesh;
   CGAL::Polygon_mesh_processing::polygon_soup_to_polygon_mesh(points, faces, mesh);
   return mesh;
-}
-
-double size_of(const TriangleMesh& mesh) {
-  const Box3 b = bounding_box(mesh);
-  return std::hypot(b.upper[0] - b.lower[0], b.upper[1] - b.lower[1], b.upper[2] - b.lower[2]);
 }
 
 QuadratureResult fit(const SplineGrid& grid, const Trimming& trimming, int moment_degree) {
@@ -109,7 +100,7 @@ TEST_P(SharedPart, EverySpanIsFittedWithPointsInside) {
         const Point3 x =
             grid.to_position({points.parameters[3 * g], points.parameters[3 * g + 1], points.parameters[3 * g + 2]});
         const Kernel::Point_3 p(x[0], x[1], x[2]);
-        if (side(p) == CGAL::ON_UNBOUNDED_SIDE && std::sqrt(tree.squared_distance(p)) > 1e-9 * size_of(mesh)) ++outside;
+        if (side(p) == CGAL::ON_UNBOUNDED_SIDE && std::sqrt(tree.squared_distance(p)) > 1e-9 * diagonal(mesh)) ++outside;
       }
     }
   });
@@ -152,7 +143,7 @@ TEST(SharedParts, MomentsAgreeWithClipsByCgal) {
     SCOPED_TRACE(part);
     const TriangleMesh mesh = load(part);
     if (mesh.triangles.empty()) GTEST_SKIP() << "the shared STL parts are absent";
-    const SplineGrid grid = grid_around(mesh, size_of(mesh) / 17.3, 2, 0.37);
+    const SplineGrid grid = grid_around(mesh, diagonal(mesh) / 17.3, 2, 0.37);
     const Trimming trimming = trim(grid, mesh, {});
     const FarMoments far(grid, trimming, {1, 1, 1});
     const Mesh whole = cgal_mesh(to_span_units(grid, mesh), mesh.triangles);
@@ -223,7 +214,7 @@ TEST(SharedParts, ScaleAndPlaceDoNotMatter) {
     const TriangleMesh mesh = load(part);
     if (mesh.triangles.empty()) GTEST_SKIP() << "the shared STL parts are absent";
     const Outcome original = run(mesh);
-    const double size = size_of(mesh);
+    const double size = diagonal(mesh);
     const auto compare = [&](double scale, const Point3& shift, double tolerance) {
       SCOPED_TRACE(testing::Message() << "scale " << scale << " shift " << shift[0]);
       TriangleMesh other = mesh;
