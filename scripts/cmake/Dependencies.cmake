@@ -40,6 +40,26 @@ add_library(iga_hdf5 INTERFACE)
 target_include_directories(iga_hdf5 SYSTEM INTERFACE ${HDF5_INCLUDE_DIRS})
 target_link_libraries(iga_hdf5 INTERFACE ${HDF5_LIBRARIES})
 
+find_package(Spectra QUIET)
+iga_need(Spectra_FOUND libspectra-dev "Spectra")
+
+# SuiteSparse 5 and MUMPS bring no package files on Debian 12.
+function(iga_find_library target package header)
+  find_path(${target}_INCLUDE_DIR ${header} PATH_SUFFIXES suitesparse mumps_seq)
+  iga_need(${target}_INCLUDE_DIR ${package} "${header}")
+  add_library(${target} INTERFACE)
+  target_include_directories(${target} SYSTEM INTERFACE ${${target}_INCLUDE_DIR})
+  foreach(name ${ARGN})
+    find_library(${target}_${name} ${name})
+    iga_need(${target}_${name} ${package} "lib${name}")
+    target_link_libraries(${target} INTERFACE ${${target}_${name}})
+  endforeach()
+endfunction()
+iga_find_library(iga_cholmod libsuitesparse-dev cholmod.h cholmod)
+iga_find_library(iga_mumps libmumps-seq-dev dmumps_c.h dmumps_seq)
+# CHOLMOD and MUMPS run on whatever BLAS the system has chosen; the reference BLAS is ten times slower than OpenBLAS.
+iga_find_library(iga_openblas libopenblas-dev cblas.h openblas)
+
 if(IGA_BUILD_TESTS)
   find_package(GTest QUIET)
   iga_need(GTest_FOUND libgtest-dev "GoogleTest")

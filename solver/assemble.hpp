@@ -1,0 +1,27 @@
+// Stiffness, mass and body loads from the quadrature points of a model. Parallel; the same bits for any thread count.
+#pragma once
+
+#include "solver/material.hpp"
+#include "solver/symmetric_matrix.hpp"
+
+namespace iga::solve {
+
+/// K_ij = ∫ B_iᵀ C B_j dV.
+StiffnessMatrix assemble_stiffness(const SolutionSpace& space, const std::shared_ptr<const Connectivity>& connectivity,
+                                   const ElasticMaterial& material);
+
+/// M_ij = ∫ ρ N_i N_j dV.
+MassMatrix assemble_mass(const SolutionSpace& space, const std::shared_ptr<const Connectivity>& connectivity,
+                         double density);
+
+/// m_i = ∫ ρ N_i dV: the row sums of M without M. (num_nodes)
+Eigen::VectorXd lumped_mass(const SolutionSpace& space, double density);
+
+/// The stiffness of one span, (3 n × 3 n) over nodes(a), lower triangle filled at least: for local eigenproblems.
+void span_stiffness(const SolutionSpace& space, std::int64_t a, const ElasticMaterial& material, SpanShapes& shapes,
+                    Eigen::MatrixXd& block);
+
+/// f_i = ∫ N_i b dV for a body force b (force/length³). (num_unknowns)
+Eigen::VectorXd body_force(const SolutionSpace& space, const Point3& b);
+
+} // namespace iga::solve

@@ -1,0 +1,31 @@
+// Linear elastic materials, small strain.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace iga::solve {
+
+/// Strains and stresses as 6-vectors in the order xx yy zz xy yz zx (the frame of the part); shear strains are
+/// engineering strains γ = 2 ε.
+using Voigt = Eigen::Matrix<double, 6, 1>;
+using VoigtMatrix = Eigen::Matrix<double, 6, 6>;
+
+/// σ = C ε with a positive definite C.
+struct ElasticMaterial {
+  VoigtMatrix C = VoigtMatrix::Zero(); ///< force/length², symmetric
+  double density = 1;                  ///< mass/length³
+
+  /// Largest and smallest speed of a plane wave over a fixed set of directions (length/time): c_L and c_S where the
+  /// material is isotropic. Eigenvalues of the acoustic tensor A(n) / ρ.
+  double fastest_wave() const;
+  double slowest_wave() const;
+};
+
+/// @throws InputError unless E > 0, -1 < nu < 0.5 and density > 0, naming what to do
+ElasticMaterial isotropic(double E, double nu, double density);
+/// @throws InputError unless C is symmetric (1e-9 of its largest entry) and positive definite and density > 0
+ElasticMaterial anisotropic(const VoigtMatrix& C, double density);
+
+double von_mises(const Voigt& stress);
+
+} // namespace iga::solve
