@@ -158,6 +158,8 @@ TimeSeries read_time_series(const H5Reader& file) {
   const std::int64_t n = rows_of(file, result::time);
   t.time = finite(file, result::time, {n});
   expect_ascending(file, result::time, t.time);
+  for (const char* group : {result::energy, result::contact})
+    if (!file.has(group)) file.refuse(group, "is missing; expected a group");
   for (std::size_t i = 0; i < t.energy.size(); ++i) {
     const std::string path = fmt::format("{}/{}", result::energy, TimeSeries::energy_names[i]);
     if (file.has(path)) t.energy[i] = finite(file, {path.c_str(), "", "", ""}, {n});
