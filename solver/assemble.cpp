@@ -62,6 +62,7 @@ class Elasticity {
           for (int a = 0; a < 3; ++a)
             for (int b = 0; b < 3; ++b) k(a, b) = C_[a][b].cwiseProduct(g).sum();
         }
+        if (i == j) k.triangularView<Eigen::StrictlyUpper>() = k.transpose().eval();
         G.block<3, 3>(3 * i, 3 * j) = k;
       }
   }
@@ -132,17 +133,13 @@ void add_spans(const SolutionSpace& space, const Connectivity& connectivity, Mat
   std::vector<Eigen::MatrixXd> shared(classes.representative.size());
   tbb::parallel_for(std::size_t{0}, shared.size(),
                     [&](std::size_t c) { shared[c] = compute(classes.representative[c], work_spaces.local()); });
-  const SpanColours& colours = connectivity.colours;
-  for (std::size_t c = 0; c + 1 < colours.offsets.size(); ++c)
-    tbb::parallel_for(colours.offsets[c], colours.offsets[c + 1], [&](std::int64_t k) {
-      const std::int64_t a = colours.spans[static_cast<std::size_t>(k)];
-      if (space.model().points.offsets[static_cast<std::size_t>(a)] ==
-          space.model().points.offsets[static_cast<std::size_t>(a) + 1])
-        return;
-      const std::int32_t shared_class = classes.of_span[static_cast<std::size_t>(a)];
-      matrix.add(space.nodes(a),
-                 shared_class >= 0 ? shared[static_cast<std::size_t>(shared_class)] : compute(a, work_spaces.local()));
-    });
+  const auto& offsets = space.model().points.offsets;
+  for_spans(connectivity, [&](std::int64_t a) {
+    const auto s = static_cast<std::size_t>(a);
+    if (offsets[s] == offsets[s + 1]) return; // generalised rules leave spans without points
+    const std::int32_t kind = classes.of_span[s];
+    matrix.add(space.nodes(a), kind >= 0 ? shared[static_cast<std::size_t>(kind)] : compute(a, work_spaces.local()));
+  });
 }
 
 } // namespace
@@ -186,7 +183,7 @@ void span_stiffness(const SolutionSpace& space, std::int64_t a, const ElasticMat
 
 namespace {
 
-// s_i = ∫ N_i dV, colour by colour. (num_nodes)
+// s_i = ∫ N_i dV; (num_nodes)
 Eigen::VectorXd function_integrals(const SolutionSpace& space) {
   std::vector<Eigen::VectorXd> local(static_cast<std::size_t>(space.num_spans()));
   tbb::enumerable_thread_specific<SpanShapes> shapes;
