@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -49,7 +50,9 @@ std::vector<Body> measure(const TrimmedModel& model, const Bodies& bodies) {
   });
   for (Body& body : all)
     if (body.volume > 0) body.centre /= body.volume;
-  each([](Body& body, const Eigen::Vector3d& x, double) { body.radius = std::max(body.radius, (x - body.centre).norm()); });
+  each([](Body& body, const Eigen::Vector3d& x, double) {
+    body.radius = std::max(body.radius, (x - body.centre).norm());
+  });
   return all;
 }
 
@@ -156,8 +159,8 @@ Bodies find_bodies(const SolutionSpace& space) {
                                          : bodies.of_node[static_cast<std::size_t>(root(own))];
   }
   for (std::int64_t a = 0; a < space.num_spans(); ++a)
-    bodies.of_span.push_back(
-        space.nodes(a).empty() ? 0 : bodies.of_node[static_cast<std::size_t>(space.nodes(a).front())]);
+    bodies.of_span.push_back(space.nodes(a).empty() ? 0
+                                                    : bodies.of_node[static_cast<std::size_t>(space.nodes(a).front())]);
   return bodies;
 }
 

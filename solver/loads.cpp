@@ -100,8 +100,8 @@ LoadTerms assemble_loads(const SolutionSpace& space, double density, std::span<c
       const bool pressure = load.kind == LoadKind::Pressure;
       const Point3 constant = load.kind == LoadKind::TotalForce ? times(vector, 1 / region.report.area) : vector;
       terms.load += traction_load(
-          space, region,
-          [&](const Point3&, const Point3& n) { return pressure ? times(n, -load.pressure) : constant; }, report);
+          space, region, [&](const Point3&, const Point3& n) { return pressure ? times(n, -load.pressure) : constant; },
+          report);
     }
     terms.reports.push_back(std::move(report));
   }

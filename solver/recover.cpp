@@ -10,7 +10,16 @@ namespace iga::solve {
 
 namespace {
 
+FieldSamples make_samples(std::size_t n) {
+  FieldSamples samples;
+  samples.displacement.resize(3 * n);
+  samples.strain.resize(6 * n);
+  samples.stress.resize(6 * n);
+  samples.von_mises.resize(n);
+  return samples;
+}
 
+/// Displacement and its gradient at the points of one span, then all fields.
 class SpanRecovery {
  public:
   SpanRecovery(const SolutionSpace& space, const ElasticMaterial& material, const Eigen::VectorXd& u)
@@ -32,34 +41,34 @@ class SpanRecovery {
       for (Eigen::Index c = 0; c < 3; ++c) gradient_.col(3 * c + d) = slope.col(c);
     }
   }
-  Eigen::Index size() const { return displacement_.rows(); }
-  Eigen::Vector3d displacement(Eigen::Index q) const { return displacement_.row(q).transpose(); }
-  Voigt strain(Eigen::Index q) const {
+  /// Point q of the span becomes point `to` of the samples.
+  void write(Eigen::Index q, std::size_t to, FieldSamples& samples) const {
     const auto g = [&](Eigen::Index c, Eigen::Index d) { return gradient_(q, 3 * c + d); };
-    Voigt e;
-    e << g(0, 0), g(1, 1), g(2, 2), g(0, 1) + g(1, 0), g(1, 2) + g(2, 1), g(2, 0) + g(0, 2);
-    return e;
+    Voigt strain;
+    strain << g(0, 0), g(1, 1), g(2, 2), g(0, 1) + g(1, 0), g(1, 2) + g(2, 1), g(2, 0) + g(0, 2);
+    const Voigt stress = material_.C * strain;
+    for (std::size_t d = 0; d < 3; ++d)
+      samples.displacement[3 * to + d] = displacement_(q, static_cast<Eigen::Index>(d));
+    std::copy_n(strain.data(), 6, samples.strain.data() + 6 * to);
+    std::copy_n(stress.data(), 6, samples.stress.data() + 6 * to);
+    samples.von_mises[to] = von_mises(stress);
   }
-  Voigt stress(const Voigt& strain) const { return material_.C * strain; }
 
  private:
   const SolutionSpace& space_;
   const ElasticMaterial& material_;
   const Eigen::VectorXd& u_;
   SpanShapes shapes_;
-  Eigen::MatrixXd coefficients_, displacement_, gradient_, along_;
+  Eigen::MatrixXd coefficients_, along_;
+  Eigen::MatrixXd displacement_; ///< (n × 3)
+  Eigen::MatrixXd gradient_;     ///< (n × 9); column 3 c + d is ∂u_c/∂x_d
 };
 
 } // namespace
 
-PointFields recover_fields(const SolutionSpace& space, const ElasticMaterial& material, const Eigen::VectorXd& u,
-                           std::span<const std::int64_t> offsets, std::span<const double> parameters) {
-  const std::size_t n = parameters.size() / 3;
-  PointFields fields;
-  fields.displacement.resize(3 * n);
-  fields.strain.resize(6 * n);
-  fields.stress.resize(6 * n);
-  fields.von_mises.resize(n);
+FieldSamples recover_fields(const SolutionSpace& space, const ElasticMaterial& material, const Eigen::VectorXd& u,
+                            std::span<const std::int64_t> offsets, std::span<const double> parameters) {
+  FieldSamples fields = make_samples(parameters.size() / 3);
   tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, space.num_spans(), 16), [&](const auto& range) {
     SpanRecovery recovery(space, material, u);
     for (std::int64_t a = range.begin(); a != range.end(); ++a) {
@@ -67,23 +76,15 @@ PointFields recover_fields(const SolutionSpace& space, const ElasticMaterial& ma
       const auto count = static_cast<std::size_t>(offsets[static_cast<std::size_t>(a) + 1]) - first;
       if (count == 0) continue;
       recovery.at(a, parameters.subspan(3 * first, 3 * count));
-      for (std::size_t q = 0; q < count; ++q) {
-        const auto row = static_cast<Eigen::Index>(q);
-        const Eigen::Vector3d displacement = recovery.displacement(row);
-        const Voigt strain = recovery.strain(row), stress = recovery.stress(strain);
-        std::copy_n(displacement.data(), 3, fields.displacement.data() + 3 * (first + q));
-        std::copy_n(strain.data(), 6, fields.strain.data() + 6 * (first + q));
-        std::copy_n(stress.data(), 6, fields.stress.data() + 6 * (first + q));
-        fields.von_mises[first + q] = von_mises(stress);
-      }
+      for (std::size_t q = 0; q < count; ++q) recovery.write(static_cast<Eigen::Index>(q), first + q, fields);
     }
   });
   return fields;
 }
 
-double strain_energy(const TrimmedModel& model, const PointFields& fields) {
+double strain_energy(const TrimmedModel& model, const FieldSamples& fields) {
   double energy = 0;
-  for (std::size_t q = 0; q < fields.size(); ++q) {
+  for (std::size_t q = 0; q < model.points.weights.size(); ++q) {
     double density = 0;
     for (std::size_t k = 0; k < 6; ++k) density += fields.stress[6 * q + k] * fields.strain[6 * q + k];
     energy += 0.5 * model.points.weights[q] * density;
@@ -91,28 +92,25 @@ double strain_energy(const TrimmedModel& model, const PointFields& fields) {
   return energy;
 }
 
-std::vector<ProbeResult> locate_probes(const TrimmedModel& model, std::span<const Probe> probes) {
-  std::vector<ProbeResult> results;
-  for (const Probe& probe : probes) {
-    ProbeResult result;
-    result.name = probe.name;
-    result.at = locate(model, probe.position, fmt::format("probe '{}'", probe.name));
-    results.push_back(std::move(result));
-  }
-  return results;
+std::vector<LocatedPoint> locate_probes(const TrimmedModel& model, std::span<const Probe> probes) {
+  std::vector<LocatedPoint> located;
+  for (const Probe& probe : probes)
+    located.push_back(locate(model, probe.position, fmt::format("probe '{}'", probe.name)));
+  return located;
 }
 
-void recover_probes(const SolutionSpace& space, const ElasticMaterial& material, const Eigen::VectorXd& u,
-                    std::vector<ProbeResult>& probes) {
+ProbeResult recover_probes(const SolutionSpace& space, const ElasticMaterial& material, const Eigen::VectorXd& u,
+                           std::span<const Probe> probes, std::span<const LocatedPoint> located) {
   SpanRecovery recovery(space, material, u);
-  for (ProbeResult& probe : probes) {
-    recovery.at(probe.at.span, probe.at.parameter);
-    const Eigen::Vector3d displacement = recovery.displacement(0);
-    probe.displacement = {displacement[0], displacement[1], displacement[2]};
-    probe.strain = recovery.strain(0);
-    probe.stress = recovery.stress(probe.strain);
-    probe.von_mises = von_mises(probe.stress);
+  ProbeResult result;
+  result.fields = make_samples(probes.size());
+  for (std::size_t k = 0; k < probes.size(); ++k) {
+    result.names.push_back(probes[k].name);
+    result.positions.insert(result.positions.end(), located[k].position.begin(), located[k].position.end());
+    recovery.at(located[k].span, located[k].parameter);
+    recovery.write(0, k, result.fields);
   }
+  return result;
 }
 
 } // namespace iga::solve

@@ -2,6 +2,8 @@
 
 #include "format/model/vec3.hpp"
 
+#include <Eigen/LU>
+
 namespace iga::solve {
 
 namespace {
@@ -73,8 +75,7 @@ SupportRows make_rows(const SolutionSpace& space, const ElasticMaterial& materia
     const Point3& e = rows.direction[static_cast<std::size_t>(k)];
     const Row3 direction(e[0], e[1], e[2]);
     if (trace)
-      for (Eigen::Index i = 0; i < nodes; ++i)
-        rows.trace.block<1, 3>(k, 3 * i) = shapes.values(q, i) * direction;
+      for (Eigen::Index i = 0; i < nodes; ++i) rows.trace.block<1, 3>(k, 3 * i) = shapes.values(q, i) * direction;
     if (!traction) continue;
     const Eigen::Matrix<double, 1, 6> s =
         direction * traction_of_stress(batch.normals[static_cast<std::size_t>(q)]) * material.C;

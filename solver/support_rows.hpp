@@ -16,10 +16,10 @@ FixedDirections fixed_directions(const Support& support, const Point3& normal, c
 /// For each fixed direction e of each point, in that order, one row over the unknowns of a span (3 r + a: component a
 /// of nodes[r]).
 struct SupportRows {
-  Eigen::MatrixXd trace;      ///< (m × 3 n): e · u
-  Eigen::MatrixXd traction;   ///< (m × 3 n): e · σ(u) n, force/length³
-  Eigen::VectorXd weight;     ///< (m): area, length²
-  Eigen::VectorXd prescribed; ///< (m): length
+  Eigen::MatrixXd trace;           ///< (m × 3 n): e · u
+  Eigen::MatrixXd traction;        ///< (m × 3 n): e · σ(u) n, force/length³
+  Eigen::VectorXd weight;          ///< (m): area, length²
+  Eigen::VectorXd prescribed;      ///< (m): length
   std::vector<std::int32_t> point; ///< (m): number of the row's point in its batch
   std::vector<Point3> direction;   ///< (m)
 };

@@ -4,6 +4,7 @@
 #include "solver/in_order.hpp"
 #include "solver/support_rows.hpp"
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 namespace iga::solve {
@@ -158,8 +159,7 @@ SupportTerms apply_supports(const SolutionSpace& space, const ElasticMaterial& m
   penalty_parameters(space, material, of_method(SupportMethod::Penalty));
   nitsche_parameters(space, material, of_method(SupportMethod::Nitsche));
   for (const PreparedSupport& prepared : terms.prepared)
-    if (prepared.support.method != SupportMethod::Lagrange)
-      add_stiffness(space, material, prepared, K, terms.load);
+    if (prepared.support.method != SupportMethod::Lagrange) add_stiffness(space, material, prepared, K, terms.load);
   add_constraints(space, material, terms);
   return terms;
 }

@@ -99,7 +99,7 @@ using RowMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 /// with the surface), with ∫ m u_D.
 struct Rows {
   RowMatrix matrix;
-  Eigen::MatrixXd values; ///< (rows × right-hand sides)
+  Eigen::MatrixXd values;  ///< (rows × right-hand sides)
   Eigen::Index forced = 0; ///< the first rows stand for constant stresses: they are kept
 };
 
@@ -228,9 +228,7 @@ ConstraintRows lagrange_rows(const SolutionSpace& space, const ElasticMaterial& 
     const auto row_of = [&](Eigen::Index m) -> Eigen::VectorXd& {
       for (auto& [number, row] : local)
         if (number == m) return row;
-      return local
-          .emplace_back(m, Eigen::VectorXd::Zero(per_node * static_cast<Eigen::Index>(nodes.size())))
-          .second;
+      return local.emplace_back(m, Eigen::VectorXd::Zero(per_node * static_cast<Eigen::Index>(nodes.size()))).second;
     };
     for (std::size_t q = 0; q < b.size(); ++q) {
       const auto values = shapes.values.row(static_cast<Eigen::Index>(q));
@@ -239,8 +237,8 @@ ConstraintRows lagrange_rows(const SolutionSpace& space, const ElasticMaterial& 
         Eigen::VectorXd& row = row_of(m);
         for (Eigen::Index i = 0; i < values.size(); ++i)
           for (Eigen::Index c = 0; c < per_node; ++c)
-            row[per_node * i + c] += b.weights[q] * factor * values[i] *
-                                     (per_node == 3 ? b.normals[q][static_cast<std::size_t>(c)] : 1.0);
+            row[per_node * i + c] +=
+                b.weights[q] * factor * values[i] * (per_node == 3 ? b.normals[q][static_cast<std::size_t>(c)] : 1.0);
         for (int d = 0; d < fixed.count; ++d)
           rows.values(m, d) += b.weights[q] * factor * fixed.prescribed[static_cast<std::size_t>(d)];
       });

@@ -33,8 +33,8 @@ std::string regions_that_exist(const TrimmedModel& model) {
     lines.push_back(fmt::format("{} '{}' (area {:.6g})", r, model.surface.mesh.region_names[r], areas[r]));
   if (areas.size() > listed_regions) lines.push_back(fmt::format("… {} in all", areas.size()));
   const Box3 box = bounding_box(model.surface.mesh);
-  return fmt::format("the surface lies between ({:.6g}) and ({:.6g}) and has the regions {}", fmt::join(box.lower, ", "),
-                     fmt::join(box.upper, ", "), fmt::join(lines, ", "));
+  return fmt::format("the surface lies between ({:.6g}) and ({:.6g}) and has the regions {}",
+                     fmt::join(box.lower, ", "), fmt::join(box.upper, ", "), fmt::join(lines, ", "));
 }
 
 std::string describe(const RegionChoice& choice) {
@@ -42,8 +42,8 @@ std::string describe(const RegionChoice& choice) {
   if (choice.name) tests.push_back(fmt::format("region '{}'", *choice.name));
   if (choice.number) tests.push_back(fmt::format("region number {}", *choice.number));
   if (choice.box)
-    tests.push_back(fmt::format("box ({:.6g}) … ({:.6g})", fmt::join(choice.box->lower, ", "),
-                                fmt::join(choice.box->upper, ", ")));
+    tests.push_back(
+        fmt::format("box ({:.6g}) … ({:.6g})", fmt::join(choice.box->lower, ", "), fmt::join(choice.box->upper, ", ")));
   if (choice.plane)
     tests.push_back(fmt::format("plane through ({:.6g}) with normal ({:.6g}), tolerance {:.3g}",
                                 fmt::join(choice.plane->point, ", "), fmt::join(choice.plane->normal, ", "),
@@ -69,8 +69,8 @@ class Tests {
     const auto& names = model.surface.mesh.region_names;
     if (choice.number) {
       if (*choice.number < 0 || *choice.number >= static_cast<std::int64_t>(names.size()))
-        throw InputError(fmt::format("{}: there is no region number {}; {}", what, *choice.number,
-                                     regions_that_exist(model)));
+        throw InputError(
+            fmt::format("{}: there is no region number {}; {}", what, *choice.number, regions_that_exist(model)));
       number_ = *choice.number;
     }
     if (choice.name) {
@@ -78,7 +78,8 @@ class Tests {
       if (found == names.end()) {
         const auto near = io::nearest_name(*choice.name, names);
         throw InputError(fmt::format("{}: there is no region '{}'{}; {}", what, *choice.name,
-                                     near ? fmt::format(", did you mean '{}'?", *near) : "", regions_that_exist(model)));
+                                     near ? fmt::format(", did you mean '{}'?", *near) : "",
+                                     regions_that_exist(model)));
       }
       named_ = true; // a name may stand for several regions
     }
@@ -100,8 +101,7 @@ class Tests {
     const Point3 n{q.normals[3 * i], q.normals[3 * i + 1], q.normals[3 * i + 2]};
     if (choice_.normal && dot(n, direction_) < least_cosine_ - rounding) return false;
     if (!choice_.box && !choice_.plane) return true;
-    const Point3 x =
-        model_.grid.to_position({q.parameters[3 * i], q.parameters[3 * i + 1], q.parameters[3 * i + 2]});
+    const Point3 x = model_.grid.to_position({q.parameters[3 * i], q.parameters[3 * i + 1], q.parameters[3 * i + 2]});
     if (choice_.plane && std::abs(dot(minus(x, choice_.plane->point), plane_normal_)) > plane_depth_) return false;
     if (choice_.box)
       for (std::size_t d = 0; d < 3; ++d)
@@ -135,8 +135,7 @@ SurfaceRegion choose_region(const TrimmedModel& model, const RegionChoice& choic
       if (!tests.hold(s)) continue;
       region.points.push_back(i);
       region.report.area += q.weights[s];
-      for (std::size_t d = 0; d < 3; ++d)
-        first[d] += q.weights[s] * (q.parameters[3 * s + d] - model.grid.A()[d]);
+      for (std::size_t d = 0; d < 3; ++d) first[d] += q.weights[s] * (q.parameters[3 * s + d] - model.grid.A()[d]);
     }
     if (region.points.size() == before) continue;
     region.spans.push_back(static_cast<std::int64_t>(a));
