@@ -42,7 +42,7 @@ class Basis {
     problem_.B(W.data(), BW.data(), static_cast<int>(block_));
     problem_.F(BW.data(), W.data(), static_cast<int>(block_));
     first_ = end_ = 0;
-    append(W);
+    append(W, Eigen::VectorXd::Zero(block_));
     end_ = new_end_;
   }
 
@@ -63,7 +63,7 @@ class Basis {
     H_.block(first_, 0, b, end_) = h.transpose();
     const MatrixXd own = H_.block(first_, first_, b, b);
     H_.block(first_, first_, b, b) = 0.5 * (own + own.transpose());
-    append(W);
+    append(W, h.colwise().norm());
     return new_end_ > end_;
   }
 
@@ -133,45 +133,44 @@ class Basis {
       W -= *problem_.locked * (problem_.B_locked->transpose() * W).eval();
   }
 
-  // Makes W B-orthonormal behind the vectors up to end_: W = V_new R. A column that vanishes is replaced by a random
-  // one (a row of zeros in R) while the space has dimensions left.
-  void append(const MatrixXd& W) {
+  // Makes W B-orthonormal behind the vectors up to end_: W = V_new R; `taken` are the lengths that were taken out of its
+  // columns. A column that vanishes is replaced by a random one (R has zeros there) while the space has dimensions left.
+  void append(const MatrixXd& W, const Eigen::VectorXd& taken) {
     const Index b = W.cols();
     R_ = MatrixXd::Zero(block_, b);
     new_end_ = end_;
     for (Index c = 0; c < block_ && new_end_ < dimensions_; ++c) {
-      const bool given = c < b;
-      Eigen::VectorXd w = given ? Eigen::VectorXd(W.col(c)) : random_vector();
-      if (take(w, c, given)) continue;
+      Eigen::VectorXd w;
+      if (c < b) {
+        w = W.col(c);
+        if (take(w, taken[c], &c)) continue;
+      }
       for (int tries = 0; tries < 3; ++tries) {
         w = random_vector();
-        if (take(w, c, false)) break;
+        if (take(w, 0, nullptr)) break;
       }
     }
   }
 
-  bool take(Eigen::VectorXd& w, Index c, bool given) {
+  // Takes what is left of w beside all others into the basis, unless nothing is; column of R where w is an image.
+  bool take(Eigen::VectorXd& w, double taken, const Index* column) {
     Eigen::VectorXd Bw(n_);
     problem_.B(w.data(), Bw.data(), 1);
-    const double before = std::sqrt(std::max(0.0, w.dot(Bw)));
+    const double before = std::hypot(taken, std::sqrt(std::max(0.0, w.dot(Bw))));
     if (!(before > 0)) return false;
-    const Index others = given ? end_ : 0; // against the older ones W is clean already
     double length = 0;
     for (int pass = 0; pass < 2; ++pass) {
-      const Index count = new_end_ - others;
-      if (!given) remove_locked(w);
-      const Eigen::VectorXd part = BV_.middleCols(others, count).transpose() * w;
-      w.noalias() -= V_.middleCols(others, count) * part;
-      if (given) R_.col(c).head(count) += part;
+      remove_locked(w);
+      const Eigen::VectorXd part = BV_.leftCols(new_end_).transpose() * w;
+      w.noalias() -= V_.leftCols(new_end_) * part;
+      if (column) R_.col(*column).head(new_end_ - end_) += part.tail(new_end_ - end_);
       problem_.B(w.data(), Bw.data(), 1);
       length = std::sqrt(std::max(0.0, w.dot(Bw)));
     }
-    if (!(length > vanished * before)) {
-      return false;
-    }
+    if (!(length > vanished * before)) return false;
     V_.col(new_end_) = w / length;
     BV_.col(new_end_) = Bw / length;
-    if (given) R_(new_end_ - end_, c) = length;
+    if (column) R_(new_end_ - end_, *column) = length;
     ++new_end_;
     return true;
   }
@@ -199,7 +198,7 @@ LanczosResult block_lanczos(const LanczosProblem& problem, const LanczosSettings
   basis.start();
   for (int restarts = 0;;) {
     const bool more = basis.step();
-    const bool full = basis.size_with_next() + basis.block() > basis.capacity() + basis.block();
+    const bool full = basis.size_with_next() > basis.capacity();
     if (basis.size() >= wanted || !more || full) {
       basis.ritz();
       const Index count = std::min(wanted, basis.size());
