@@ -1,7 +1,7 @@
 // Linear fields on trimmed parts: constant stress, recovered with every way to impose displacements.
 #include "format/model/vec3.hpp"
 #include "solver/assemble.hpp"
-#include "solver/free_motions.hpp"
+#include "solver/support_check.hpp"
 #include "solver/static_analysis.hpp"
 #include "tests/embed/surfaces.hpp"
 #include "tests/solver/trimmed_part.hpp"
