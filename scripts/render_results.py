@@ -17,7 +17,7 @@ TILE = (860, 640)
 MODE_SHARE = 0.08  # largest displacement of a mode over the diagonal of the part's box: clearly seen, still the part
 STATIC_SHARE = 0.05
 SPIKES = 99.8  # percentile that ends the scale of stresses: a few points of a sharp corner would make all else dark blue
-REST_COLOUR = (0.45, 0.48, 0.52)
+REST_COLOUR = (0.55, 0.57, 0.60)
 LABELS = {"displacement": "|u|", "von_mises": "von Mises stress"}
 
 
@@ -61,7 +61,7 @@ def outline(shapes, sight):
     lines.SetEnableFeatureAngle(1)
     lines.SetFeatureAngle(40)
     lines.Update()
-    return actor_of(lines.GetOutput(), colour=REST_COLOUR, lines=1.4, flat=True)
+    return actor_of(lines.GetOutput(), colour=REST_COLOUR, lines=1.2, flat=True)
 
 
 def deformed(shapes, step, factor, values, norm):
@@ -73,11 +73,15 @@ def deformed(shapes, step, factor, values, norm):
     return actor
 
 
-def draw_shape(shapes, step, factor, values, norm, sight, pixels=PIXELS):
-    moved = shapes.vertices + factor * shapes.displacement(step)
+def extent(shapes, steps, factors):
+    """Points that a picture must hold: the part at rest and deformed."""
+    return np.concatenate([shapes.vertices] + [shapes.vertices + factor * shapes.displacement(step)
+                                               for step, factor in zip(steps, factors)])
+
+
+def draw_shape(shapes, step, factor, values, norm, sight, fit, pixels=PIXELS):
     up = (0, 0, 1) if abs(sight[2]) < 0.99 * np.linalg.norm(sight) else (0, 1, 0)
-    return picture([deformed(shapes, step, factor, values, norm), outline(shapes, sight)], sight, up,
-                   np.concatenate([shapes.vertices, moved]), pixels)
+    return picture([deformed(shapes, step, factor, values, norm), outline(shapes, sight)], sight, up, fit, pixels)
 
 
 def normalised(values, colour):
@@ -101,11 +105,12 @@ def draw_sheet(shapes, colour, scale, sight, file):
     head, foot, caption = 130, 110, 46
     width, height = columns * TILE[0], head + foot + rows * (TILE[1] + caption)
     figure = plt.figure(figsize=(width / 100, height / 100), dpi=100, facecolor="white")
-    for place, step in enumerate(steps):
+    factors = [scale or shapes.factor(step, MODE_SHARE) for step in steps]
+    fit = extent(shapes, steps, factors)  # all in the same size
+    for place, (step, factor) in enumerate(zip(steps, factors)):
         row, column = divmod(place, columns)
-        factor = scale or shapes.factor(step, MODE_SHARE)
-        pixels = draw_shape(shapes, step, factor, normalised(shapes.values(step, colour), colour), Normalize(0, 1), sight,
-                            TILE)
+        values = normalised(shapes.values(step, colour), colour)
+        pixels = draw_shape(shapes, step, factor, values, Normalize(0, 1), sight, fit, TILE)
         bottom = height - head - (row + 1) * (TILE[1] + caption)
         axes = figure.add_axes([column * TILE[0] / width, (bottom + caption) / height, TILE[0] / width, TILE[1] / height])
         axes.imshow(pixels, interpolation="nearest", aspect="auto")
@@ -134,7 +139,7 @@ def describe(shapes):
 def draw_mode(shapes, step, colour, scale, sight, file):
     factor = scale or shapes.factor(step, MODE_SHARE)
     values = normalised(shapes.values(step, colour), colour)
-    pixels = draw_shape(shapes, step, factor, values, Normalize(0, 1), sight)
+    pixels = draw_shape(shapes, step, factor, values, Normalize(0, 1), sight, extent(shapes, [step], [factor]))
     page(pixels, f"{shapes.title}: mode {step + 1}", f"{frequency_text(shapes, step)} (cycles per unit of time); {describe(shapes)}",
          file, colour_bar=(plt.cm.ScalarMappable(Normalize(0, 1), COLOURS), f"{LABELS[colour]} over its largest value"),
          extend="neither" if colour == "displacement" else "max")
@@ -146,7 +151,7 @@ def draw_static(shapes, colour, scale, sight, file):
     values = shapes.values(step, colour)
     top = float(np.percentile(values, SPIKES) if colour == "von_mises" else values.max(initial=0))
     norm = Normalize(0, top if top > 0 else 1)
-    pixels = draw_shape(shapes, step, factor, values, norm, sight)
+    pixels = draw_shape(shapes, step, factor, values, norm, sight, extent(shapes, [step], [factor]))
     largest = np.linalg.norm(shapes.displacement(step), axis=1).max(initial=0)
     label = f"|u|{' in' + shapes.unit if shapes.unit else ''}" if colour == "displacement" else LABELS[colour]
     page(pixels, shapes.title, f"largest displacement {largest:.4g}{shapes.unit}, drawn {factor:.3g} times as large; "
