@@ -72,11 +72,13 @@ def bars(axes, results):
             axes.plot(number[chosen], f[chosen], linestyle="none", marker=marker, markersize=9, color=colour,
                       label=f"{label} ({chosen.sum()})", clip_on=False, zorder=3)
     if len(f) <= 24:
+        axes.set_xticks(number)
         for n, value in zip(number[elastic], f[elastic]):
             axes.annotate(f"{value:.4g}", (n, value), xytext=(0, 4), textcoords="offset points", ha="center", fontsize=9,
                           color=TEXT_COLOUR)
     axes.set_ylim(0, 1.1 * top)
     axes.set_xlim(0.3, len(f) + 0.7)
+    axes.grid(False, axis="x")
 
 
 def steps(axes, results, label, marker):
@@ -100,8 +102,8 @@ def plot_spectrum(arguments):
             rigid = results.kinds().count("RIGID")
             steps(axes, results, f"{label} ({rigid} rigid)", marker)
         axes.set_xlabel("elastic mode")
+        axes.xaxis.get_major_locator().set_params(integer=True)
         axes.set_ylim(bottom=0)
-    axes.xaxis.get_major_locator().set_params(integer=True)
     axes.set_ylabel("frequency, cycles per unit of time")
     axes.legend(frameon=False, loc="upper left")
     return figure
@@ -153,6 +155,9 @@ def plot_convergence(arguments):
             axes.loglog(x[last], middle[0] * (x[last] / middle[1]) ** rate, linestyle=":", color=line.get_color())
         print(f"plot.py: {shown}")
     axes.set_xlabel(name)
+    if len(x) <= 10:
+        axes.set_xticks(x, [f"{value:g}" for value in x])
+        axes.set_xticks([], minor=True)
     axes.set_ylabel("|error|")
     axes.grid(True, which="minor", color="#eef0f2", linewidth=0.5)
     axes.legend(frameon=False)
