@@ -44,8 +44,11 @@ double relative_error(int p, double spans, MassType type) {
   const std::int64_t lowest = *low;
   const Eigen::Index size = *high - lowest + 1;
   std::vector<Eigen::Index> reader(static_cast<std::size_t>(size), -1);
-  for (std::size_t i = 0; i < layer.size(); ++i)
-    reader[static_cast<std::size_t>(layer[i] - lowest)] = static_cast<Eigen::Index>(3 * i);
+  const Eigen::VectorXd mass = lumped_mass(space, rho);
+  for (std::size_t i = 0; i < layer.size(); ++i) { // the heaviest one
+    Eigen::Index& node = reader[static_cast<std::size_t>(layer[i] - lowest)];
+    if (node < 0 || mass[static_cast<Eigen::Index>(i)] > mass[node / 3]) node = static_cast<Eigen::Index>(3 * i);
+  }
   Eigen::MatrixXd A(size, size);
   Eigen::VectorXd y(space.num_unknowns());
   for (Eigen::Index j = 0; j < size; ++j) {
@@ -85,7 +88,7 @@ TEST_P(RodMass, ConvergesAtItsOrder) {
     error.push_back(relative_error(p, n, mass));
   }
   const double rate = test::print_rates(std::string(name_of(mass)) + ", p = " + std::to_string(p), h, error);
-  EXPECT_NEAR(rate, order, mass == MassType::Consistent ? 0.3 : 0.2);
+  EXPECT_NEAR(rate, order, mass == MassType::Consistent || mass == MassType::ThreePass ? 0.3 : 0.2);
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -93,7 +96,7 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(Case{MassType::Consistent, 1, {8, 16, 32}, 2}, Case{MassType::Consistent, 2, {8, 16, 32}, 4},
                       Case{MassType::Consistent, 3, {4, 6, 8}, 6}, Case{MassType::Lumped, 2, {8, 16, 32}, 2},
                       Case{MassType::Lumped, 3, {8, 16, 32}, 2}, Case{MassType::TwoPass, 2, {8, 16, 32}, 4},
-                      Case{MassType::TwoPass, 3, {8, 16, 32}, 4}, Case{MassType::ThreePass, 3, {8, 12, 16}, 6}));
+                      Case{MassType::TwoPass, 3, {8, 16, 32}, 4}, Case{MassType::ThreePass, 3, {16, 24, 32}, 6}));
 
 TEST(RodMass, LumpedErrorIsTheOneOfTheory) {
   // -(p + 1) (k h)² / 24, numerics of row-sum lumping
