@@ -192,7 +192,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"WrongType", {"eigen", "type.toml"}, 2, {"type.toml:7", "modes", "\"three\"", "integer"}},
                     Case{"OtherUnits", {"eigen", "units.toml"}, 2, {"inch", "mm"}},
                     Case{"Incompressible", {"eigen", "cube.h5", "--nu", "0.5"}, 2, {"nu = 0.5", "incompressible"}},
-                    Case{"NegativeModulus", {"eigen", "cube.h5", "--E=-1"}, 2, {"E = -1", "positive"}},
+                    Case{"NegativeModulus", {"eigen", "cube.h5", "--E", "-1"}, 2, {"E = -1", "positive"}},
                     Case{"NoDensity", {"eigen", "cube.h5", "--rho", "0"}, 2, {"rho = 0"}},
                     Case{"NotDefinite", {"eigen", "C.toml"}, 2, {"positive definite"}},
                     Case{"UnknownMass", {"eigen", "cube.h5", "--mass", "lumpt"}, 2, {"lumpt", "lumped"}},
