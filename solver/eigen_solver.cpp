@@ -29,7 +29,8 @@ constexpr double multiplet = 1e-6;
 constexpr double no_stiffness = 1e-8;
 // ω² / λ_scale of anything that may be a mechanism; a first guess, judged against the first elastic mode afterwards.
 constexpr double mechanism_guess = 1e-9;
-constexpr double lanczos_tolerance = 1e-11;
+// The vectors given back are one step of the operator better than this, the eigenvalues twice as many digits.
+constexpr double lanczos_tolerance = 1e-9;
 
 MatrixXd columns_of(const StiffnessMatrix& K, const MatrixXd& X) {
   MatrixXd Y(X.rows(), X.cols());
@@ -72,14 +73,16 @@ struct Pairs {
 class Search {
  public:
   Search(const EigenProblem& problem, const EigenSettings& settings, ModeSet& set)
-      : problem_(problem), settings_(settings), set_(set), shift_(-shift_share * problem.lambda_scale), watch_(set.timings) {
+      : problem_(problem), settings_(settings), set_(set), shift_(-shift_share * problem.lambda_scale),
+        watch_(set.timings) {
     free_ = free_motions(*problem.stiffness, *problem.mass, problem.constraints, problem.motions, problem.lambda_scale);
     const Index constraints = problem.constraints ? problem.constraints->rows() : 0;
     dimensions_ = std::max<Index>(0, problem.mass->size() - free_.vectors.cols() - constraints);
     if (settings.modes > dimensions_)
       throw InputError(fmt::format("{} modes were asked for, but the model has {} unknowns, {} rigid motions and {} "
                                    "constraints; ask for at most {} modes or use smaller spans",
-                                   settings.modes, problem.mass->size(), free_.vectors.cols(), constraints, dimensions_));
+                                   settings.modes, problem.mass->size(), free_.vectors.cols(), constraints,
+                                   dimensions_));
     watch_.stage("rigid modes");
     inverse_ = std::make_unique<ShiftInvert>(problem_, shift_);
     set_.factor = inverse_->cost();
@@ -118,9 +121,10 @@ class Search {
         lanczos_problem, {.wanted = wanted, .block = settings_.block, .tolerance = tolerance, .seed = seed});
     set_.solves += found.applied;
     if (!found.converged)
-      throw NumericalError(fmt::format("Lanczos did not converge to {} modes after {} solutions; ask for fewer modes or "
-                                       "use --light-functions linear or degree-p",
-                                       wanted, found.applied));
+      throw NumericalError(
+          fmt::format("Lanczos did not converge to {} modes after {} solutions; ask for fewer modes or "
+                      "use --light-functions linear or degree-p",
+                      wanted, found.applied));
     return found.vectors;
   }
 
@@ -137,6 +141,12 @@ class Search {
   }
 
   void find_lowest() {
+    if (problem_.known.cols() > 0) {
+      pairs_.X = problem_.known;
+      pairs_.rayleigh_ritz(problem_);
+      whole_ = whole_count();
+      if (whole_ > 0) return;
+    }
     // A few more than asked for, to see where a multiplet ends.
     Index extra = 3;
     for (;;) {
@@ -161,7 +171,8 @@ class Search {
     pairs_.rayleigh_ritz(problem_);
     whole_ = whole_count();
     if (whole_ == 0)
-      throw NumericalError("the modes found end inside a multiplet after missed ones were taken in; ask for more modes");
+      throw NumericalError(
+          "the modes found end inside a multiplet after missed ones were taken in; ask for more modes");
   }
 
   void sturm_check() {
@@ -204,6 +215,7 @@ class Search {
       watch_.stage("second search");
       if (next.lambda[0] > pairs_.lambda[whole_ - 1]) return;
       take_in(lanczos(1, lanczos_tolerance, true, static_cast<std::uint64_t>(round) + 100));
+      watch_.stage("Lanczos again");
     }
   }
 
@@ -230,8 +242,8 @@ class Search {
                                           "together by too little",
                                           floppy));
     if (count < whole_)
-      set_.warnings.push_back(fmt::format("the last mode belongs to a multiplet; --modes {} gives it whole",
-                                          whole_ - floppy));
+      set_.warnings.push_back(
+          fmt::format("the last mode belongs to a multiplet; --modes {} gives it whole", whole_ - floppy));
     if (r > 0 && free_.lambda.cwiseAbs().maxCoeff() > no_stiffness * first)
       throw NumericalError(fmt::format("a rigid motion has omega² = {:.3g}, the first elastic mode {:.3g}: rounding "
                                        "hides what is rigid; use --light-functions linear or degree-p",
@@ -283,7 +295,8 @@ class Search {
 } // namespace
 
 ModeSet lowest_modes(const EigenProblem& problem, const EigenSettings& settings) {
-  if (settings.modes < 1) throw InputError(fmt::format("{} modes were asked for; ask for at least one", settings.modes));
+  if (settings.modes < 1)
+    throw InputError(fmt::format("{} modes were asked for; ask for at least one", settings.modes));
   ModeSet set;
   Search(problem, settings, set).run();
   return set;

@@ -38,8 +38,7 @@ double left_in_groups(const fs::path& root, const std::string& group, const char
   for (;;) {
     const fs::path folder = root / path.relative_path();
     const auto limit = number_in(folder / limit_name, ""), used = number_in(folder / used_name, "");
-    if (limit && used)
-      left = std::min(left, *limit - *used + number_in(folder / "memory.stat", cache_key).value_or(0));
+    if (limit && used) left = std::min(left, *limit - *used + number_in(folder / "memory.stat", cache_key).value_or(0));
     if (!path.has_relative_path()) return left;
     path = path.parent_path();
   }
