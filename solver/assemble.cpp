@@ -13,13 +13,14 @@ namespace {
 
 struct WorkSpace {
   SpanShapes shapes;
+  SpanPointStorage points;
   Eigen::MatrixXd weighted, product, block;
 };
 
 // G_ij = Σ_q w ∇N_i ∇N_jᵀ: all that a span's stiffness needs of its points, whatever the material. Lower triangle.
 void gradient_products(const SolutionSpace& space, std::int64_t a, WorkSpace& work) {
-  evaluate(space, a, span_parameters(space.model(), a), Shapes::Gradients, work.shapes);
-  const auto weights = span_weights(space.model(), a);
+  const auto [parameters, weights] = span_points(space, a, work.points);
+  evaluate(space, a, parameters, Shapes::Gradients, work.shapes);
   const Eigen::Map<const Eigen::ArrayXd> w(weights.data(), static_cast<Eigen::Index>(weights.size()));
   work.weighted = work.shapes.gradients.array().colwise() * w.sqrt();
   work.product.setZero(work.weighted.cols(), work.weighted.cols());
@@ -62,6 +63,7 @@ class Elasticity {
           for (int a = 0; a < 3; ++a)
             for (int b = 0; b < 3; ++b) k(a, b) = C_[a][b].cwiseProduct(g).sum();
         }
+        if (i == j) k.triangularView<Eigen::StrictlyUpper>() = k.transpose().eval();
         G.block<3, 3>(3 * i, 3 * j) = k;
       }
   }
@@ -132,17 +134,13 @@ void add_spans(const SolutionSpace& space, const Connectivity& connectivity, Mat
   std::vector<Eigen::MatrixXd> shared(classes.representative.size());
   tbb::parallel_for(std::size_t{0}, shared.size(),
                     [&](std::size_t c) { shared[c] = compute(classes.representative[c], work_spaces.local()); });
-  const SpanColours& colours = connectivity.colours;
-  for (std::size_t c = 0; c + 1 < colours.offsets.size(); ++c)
-    tbb::parallel_for(colours.offsets[c], colours.offsets[c + 1], [&](std::int64_t k) {
-      const std::int64_t a = colours.spans[static_cast<std::size_t>(k)];
-      if (space.model().points.offsets[static_cast<std::size_t>(a)] ==
-          space.model().points.offsets[static_cast<std::size_t>(a) + 1])
-        return;
-      const std::int32_t shared_class = classes.of_span[static_cast<std::size_t>(a)];
-      matrix.add(space.nodes(a),
-                 shared_class >= 0 ? shared[static_cast<std::size_t>(shared_class)] : compute(a, work_spaces.local()));
-    });
+  const auto& offsets = space.model().points.offsets;
+  for_spans(connectivity, [&](std::int64_t a) {
+    const auto s = static_cast<std::size_t>(a);
+    if (offsets[s] == offsets[s + 1]) return; // generalised rules leave spans without points
+    const std::int32_t kind = classes.of_span[s];
+    matrix.add(space.nodes(a), kind >= 0 ? shared[static_cast<std::size_t>(kind)] : compute(a, work_spaces.local()));
+  });
 }
 
 } // namespace
@@ -163,8 +161,8 @@ MassMatrix assemble_mass(const SolutionSpace& space, const std::shared_ptr<const
                          double density) {
   MassMatrix M(connectivity);
   add_spans(space, *connectivity, M, [&](std::int64_t a, WorkSpace& work) -> const Eigen::MatrixXd& {
-    evaluate(space, a, span_parameters(space.model(), a), Shapes::Values, work.shapes);
-    const auto weights = span_weights(space.model(), a);
+    const auto [parameters, weights] = span_points(space, a, work.points);
+    evaluate(space, a, parameters, Shapes::Values, work.shapes);
     const Eigen::Map<const Eigen::ArrayXd> w(weights.data(), static_cast<Eigen::Index>(weights.size()));
     work.weighted = work.shapes.values.array().colwise() * (density * w).sqrt();
     work.product.setZero(work.weighted.cols(), work.weighted.cols());
@@ -186,16 +184,16 @@ void span_stiffness(const SolutionSpace& space, std::int64_t a, const ElasticMat
 
 namespace {
 
-// s_i = ∫ N_i dV, colour by colour. (num_nodes)
+// s_i = ∫ N_i dV; (num_nodes)
 Eigen::VectorXd function_integrals(const SolutionSpace& space) {
   std::vector<Eigen::VectorXd> local(static_cast<std::size_t>(space.num_spans()));
-  tbb::enumerable_thread_specific<SpanShapes> shapes;
+  tbb::enumerable_thread_specific<WorkSpace> work_spaces;
   tbb::parallel_for(std::int64_t{0}, space.num_spans(), [&](std::int64_t a) {
-    SpanShapes& work = shapes.local();
-    evaluate(space, a, span_parameters(space.model(), a), Shapes::Values, work);
-    const auto weights = span_weights(space.model(), a);
+    WorkSpace& work = work_spaces.local();
+    const auto [parameters, weights] = span_points(space, a, work.points);
+    evaluate(space, a, parameters, Shapes::Values, work.shapes);
     local[static_cast<std::size_t>(a)] =
-        work.values.transpose() *
+        work.shapes.values.transpose() *
         Eigen::Map<const Eigen::VectorXd>(weights.data(), static_cast<Eigen::Index>(weights.size()));
   });
   Eigen::VectorXd sums = Eigen::VectorXd::Zero(space.num_nodes());

@@ -8,7 +8,7 @@ namespace iga::solve {
 PreparedSystem prepare_system(const RunSettings& run, const TrimmedModel& model) {
   PreparedSystem system;
   Stopwatch watch(system.timings);
-  system.space = std::make_unique<SolutionSpace>(model, run.light_treatment());
+  system.space = std::make_unique<SolutionSpace>(model, run.light);
   const auto connectivity = std::make_shared<const Connectivity>(*system.space);
   watch.stage("space");
   system.K = assemble_stiffness(*system.space, connectivity, run.material);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cassert>
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 namespace iga::solve {
 
@@ -63,47 +62,75 @@ NodePattern make_pattern(const SolutionSpace& space) {
   return pattern;
 }
 
-// Greedy: each span takes the first colour that none of its nodes has yet.
-SpanColours make_colours(const SolutionSpace& space) {
+// Edge of a block in spans: its share of a matrix fits into the second-level cache at low degree.
+constexpr std::int64_t block_edge = 4;
+
+// Greedy: each block takes the first colour that none of its nodes has yet.
+SpanBlocks make_blocks(const SolutionSpace& space) {
+  const SplineGrid& grid = space.model().grid;
+  const Index3 extent = grid.spans();
+  std::vector<std::pair<std::int64_t, std::int32_t>> order; // block, span
+  for (std::int64_t a = 0; a < space.num_spans(); ++a) {
+    const Index3 s = grid.span_index(space.model().active[static_cast<std::size_t>(a)]);
+    const auto blocks = [&](std::size_t d) { return (extent[d] + block_edge - 1) / block_edge; };
+    order.emplace_back(s[0] / block_edge + blocks(0) * (s[1] / block_edge + blocks(1) * (s[2] / block_edge)),
+                       static_cast<std::int32_t>(a));
+  }
+  std::sort(order.begin(), order.end());
+
   const auto n = static_cast<std::size_t>(space.num_nodes());
   std::vector<std::vector<bool>> taken; // by colour, then node
-  std::vector<std::vector<std::int32_t>> groups;
-  for (std::int64_t a = 0; a < space.num_spans(); ++a) {
-    const auto nodes = space.nodes(a);
-    const auto is_free = [&](const std::vector<bool>& colour) {
-      return std::none_of(nodes.begin(), nodes.end(),
-                          [&](std::int32_t i) { return colour[static_cast<std::size_t>(i)]; });
+  std::vector<std::vector<std::pair<std::size_t, std::size_t>>> groups;
+  for (std::size_t first = 0, last = 0; first < order.size(); first = last) {
+    while (last < order.size() && order[last].first == order[first].first) ++last;
+    const auto for_nodes = [&](auto visit) {
+      for (std::size_t k = first; k < last; ++k)
+        for (const std::int32_t i : space.nodes(order[k].second)) visit(static_cast<std::size_t>(i));
     };
-    auto colour = std::find_if(taken.begin(), taken.end(), is_free);
-    if (colour == taken.end()) {
+    std::size_t colour = 0;
+    for (; colour < taken.size(); ++colour) {
+      bool is_free = true;
+      for_nodes([&](std::size_t i) { is_free = is_free && !taken[colour][i]; });
+      if (is_free) break;
+    }
+    if (colour == taken.size()) {
       taken.emplace_back(n);
       groups.emplace_back();
-      colour = taken.end() - 1;
     }
-    for (const std::int32_t i : nodes) (*colour)[static_cast<std::size_t>(i)] = true;
-    groups[static_cast<std::size_t>(colour - taken.begin())].push_back(static_cast<std::int32_t>(a));
+    for_nodes([&](std::size_t i) { taken[colour][i] = true; });
+    groups[colour].emplace_back(first, last);
   }
-  SpanColours colours{{0}, {}};
+  SpanBlocks blocks{{0}, {0}, {}};
   for (const auto& group : groups) {
-    colours.spans.insert(colours.spans.end(), group.begin(), group.end());
-    colours.offsets.push_back(static_cast<std::int64_t>(colours.spans.size()));
+    for (const auto& [first, last] : group) {
+      for (std::size_t k = first; k < last; ++k) blocks.spans.push_back(order[k].second);
+      blocks.block_offsets.push_back(static_cast<std::int64_t>(blocks.spans.size()));
+    }
+    blocks.colour_offsets.push_back(static_cast<std::int64_t>(blocks.block_offsets.size()) - 1);
   }
-  return colours;
+  return blocks;
 }
 
-// Visits the lower node pairs of a span: visit(r, c, column, place of the pair in that column), nodes[r] >= nodes[c].
-// The nodes come in runs of neighbours, and so do the pattern's rows: mostly the next row is the one looked for.
-template <class Visit> void for_pairs(const NodePattern& pattern, std::span<const std::int32_t> nodes, Visit visit) {
+// Visits the lower node pairs of a span in runs: visit(r, c, length, column, place) for the rows nodes[r …  r + length)
+// that lie one after the other in column nodes[c] of the pattern, the first one at `place`.
+// Nodes come in runs of neighbours along u, and so do the pattern's rows.
+template <class Visit> void for_runs(const NodePattern& pattern, std::span<const std::int32_t> nodes, Visit visit) {
   for (std::size_t c = 0; c < nodes.size(); ++c) {
     const auto column = static_cast<std::size_t>(nodes[c]);
     const auto* const first = pattern.rows.data() + pattern.offsets[column];
     const auto* const last = pattern.rows.data() + pattern.offsets[column + 1];
     const auto* row = first;
-    for (std::size_t r = c; r < nodes.size(); ++r) {
+    for (std::size_t r = c; r < nodes.size();) {
       if (*row != nodes[r]) row = std::lower_bound(row, last, nodes[r]);
       assert(row != last && *row == nodes[r]);
-      visit(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c), column, row - first);
-      if (row + 1 != last) ++row;
+      const auto* const begin = row;
+      const std::size_t r0 = r;
+      do {
+        ++row;
+        ++r;
+      } while (r < nodes.size() && row != last && *row == nodes[r]);
+      visit(static_cast<Eigen::Index>(r0), static_cast<Eigen::Index>(c), static_cast<Eigen::Index>(r - r0), column,
+            begin - first);
     }
   }
 }
@@ -144,19 +171,20 @@ void multiply_in_blocks(const NodePattern& pattern, double* y, MultiplyColumns m
 
 } // namespace
 
-Connectivity::Connectivity(const SolutionSpace& space) : pattern(make_pattern(space)), colours(make_colours(space)) {}
+Connectivity::Connectivity(const SolutionSpace& space) : pattern(make_pattern(space)), blocks(make_blocks(space)) {}
 
 StiffnessMatrix::StiffnessMatrix(std::shared_ptr<const Connectivity> connectivity)
     : connectivity_(std::move(connectivity)), values_(9 * static_cast<std::size_t>(pattern().num_pairs())) {}
 
 void StiffnessMatrix::add(std::span<const std::int32_t> nodes, const Eigen::Ref<const Eigen::MatrixXd>& block) {
   const NodePattern& p = pattern();
-  for_pairs(p, nodes, [&](Eigen::Index r, Eigen::Index c, std::size_t column, std::ptrdiff_t place) {
+  for_runs(p, nodes, [&](Eigen::Index r, Eigen::Index c, Eigen::Index n, std::size_t column, std::ptrdiff_t place) {
     const std::int64_t height = p.offsets[column + 1] - p.offsets[column];
     double* out = values_.data() + 9 * p.offsets[column] + 3 * place;
-    for (Eigen::Index b = 0; b < 3; ++b, out += 3 * height)
-      for (Eigen::Index a = 0; a < 3; ++a)
-        out[a] += r == c && a < b ? block(3 * r + b, 3 * c + a) : block(3 * r + a, 3 * c + b);
+    for (Eigen::Index b = 0; b < 3; ++b, out += 3 * height) {
+      const double* in = &block.coeffRef(3 * r, 3 * c + b);
+      for (Eigen::Index k = 0; k < 3 * n; ++k) out[k] += in[k];
+    }
   });
 }
 
@@ -199,8 +227,7 @@ Eigen::VectorXd StiffnessMatrix::diagonal() const {
   for (std::size_t j = 0; j < static_cast<std::size_t>(p.num_nodes()); ++j) {
     const std::int64_t height = p.offsets[j + 1] - p.offsets[j];
     for (std::int64_t a = 0; a < 3; ++a)
-      d[3 * static_cast<Eigen::Index>(j) + a] =
-          values_[static_cast<std::size_t>(9 * p.offsets[j] + 3 * a * height + a)];
+      d[3 * static_cast<Eigen::Index>(j) + a] = values_.data()[9 * p.offsets[j] + 3 * a * height + a];
   }
   return d;
 }
@@ -210,8 +237,10 @@ MassMatrix::MassMatrix(std::shared_ptr<const Connectivity> connectivity)
 
 void MassMatrix::add(std::span<const std::int32_t> nodes, const Eigen::Ref<const Eigen::MatrixXd>& block) {
   const NodePattern& p = pattern();
-  for_pairs(p, nodes, [&](Eigen::Index r, Eigen::Index c, std::size_t column, std::ptrdiff_t place) {
-    values_[static_cast<std::size_t>(p.offsets[column] + place)] += block(r, c);
+  for_runs(p, nodes, [&](Eigen::Index r, Eigen::Index c, Eigen::Index n, std::size_t column, std::ptrdiff_t place) {
+    double* out = values_.data() + p.offsets[column] + place;
+    const double* in = &block.coeffRef(r, c);
+    for (Eigen::Index k = 0; k < n; ++k) out[k] += in[k];
   });
 }
 
@@ -223,7 +252,7 @@ void MassMatrix::multiply(const double* x, double* y) const {
       double yj[3] = {0, 0, 0};
       for (auto k = static_cast<std::size_t>(p.offsets[j]); k < static_cast<std::size_t>(p.offsets[j + 1]); ++k) {
         const auto row = static_cast<std::size_t>(p.rows[k]);
-        const double m = values_[k];
+        const double m = values_.data()[k];
         for (std::size_t a = 0; a < 3; ++a) part[3 * row + a] += m * xj[a];
         if (row == j) continue;
         for (std::size_t a = 0; a < 3; ++a) yj[a] += m * x[3 * row + a];
@@ -242,8 +271,7 @@ Eigen::VectorXd MassMatrix::operator*(const Eigen::VectorXd& x) const {
 
 Eigen::VectorXd MassMatrix::diagonal() const {
   Eigen::VectorXd d(pattern().num_nodes());
-  for (Eigen::Index j = 0; j < d.size(); ++j)
-    d[j] = values_[static_cast<std::size_t>(pattern().offsets[static_cast<std::size_t>(j)])];
+  for (Eigen::Index j = 0; j < d.size(); ++j) d[j] = values_.data()[pattern().offsets[static_cast<std::size_t>(j)]];
   return d;
 }
 
