@@ -1,0 +1,221 @@
+#include "solver/assemble.hpp"
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+namespace iga::solve {
+
+namespace {
+
+struct WorkSpace {
+  SpanShapes shapes;
+  Eigen::MatrixXd weighted, product, block;
+};
+
+// G_ij = Σ_q w ∇N_i ∇N_jᵀ: all that a span's stiffness needs of its points, whatever the material. Lower triangle.
+void gradient_products(const SolutionSpace& space, std::int64_t a, WorkSpace& work) {
+  evaluate(space, a, span_parameters(space.model(), a), Shapes::Gradients, work.shapes);
+  const auto weights = span_weights(space.model(), a);
+  const Eigen::Map<const Eigen::ArrayXd> w(weights.data(), static_cast<Eigen::Index>(weights.size()));
+  work.weighted = work.shapes.gradients.array().colwise() * w.sqrt();
+  work.product.setZero(work.weighted.cols(), work.weighted.cols());
+  work.product.selfadjointView<Eigen::Lower>().rankUpdate(work.weighted.transpose());
+}
+
+// The elasticity tensor C_akbl, so that K_ij[a][b] = Σ_kl C_akbl G_ij[k][l].
+class Elasticity {
+ public:
+  explicit Elasticity(const ElasticMaterial& material) {
+    constexpr int voigt[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
+    for (int a = 0; a < 3; ++a)
+      for (int k = 0; k < 3; ++k)
+        for (int b = 0; b < 3; ++b)
+          for (int l = 0; l < 3; ++l) C_[a][b](k, l) = material.C(voigt[a][k], voigt[b][l]);
+    lambda_ = material.C(0, 1);
+    mu_ = material.C(3, 3);
+    VoigtMatrix isotropic = VoigtMatrix::Zero();
+    isotropic.topLeftCorner<3, 3>().setConstant(lambda_);
+    isotropic.diagonal() += (Voigt() << 2 * mu_, 2 * mu_, 2 * mu_, mu_, mu_, mu_).finished();
+    is_isotropic_ = (material.C - isotropic).cwiseAbs().maxCoeff() <= 1e-14 * material.C.cwiseAbs().maxCoeff();
+  }
+
+  // Turns the lower triangle of G, block by block, into that of K.
+  void apply(Eigen::MatrixXd& G) const {
+    const Eigen::Index n = G.rows() / 3;
+    for (Eigen::Index j = 0; j < n; ++j)
+      for (Eigen::Index i = j; i < n; ++i) {
+        Eigen::Matrix3d g = G.block<3, 3>(3 * i, 3 * j);
+        if (i == j) {
+          g(0, 1) = g(1, 0);
+          g(0, 2) = g(2, 0);
+          g(1, 2) = g(2, 1);
+        }
+        Eigen::Matrix3d k;
+        if (is_isotropic_) {
+          k = lambda_ * g + mu_ * g.transpose();
+          k.diagonal().array() += mu_ * g.trace();
+        } else {
+          for (int a = 0; a < 3; ++a)
+            for (int b = 0; b < 3; ++b) k(a, b) = C_[a][b].cwiseProduct(g).sum();
+        }
+        if (i == j) k.triangularView<Eigen::StrictlyUpper>() = k.transpose().eval();
+        G.block<3, 3>(3 * i, 3 * j) = k;
+      }
+  }
+
+ private:
+  Eigen::Matrix3d C_[3][3]; // C_[a][b](k, l)
+  double lambda_ = 0, mu_ = 0;
+  bool is_isotropic_ = false;
+};
+
+// Interior spans whose points lie alike and whose functions are alike have the same matrices: they are computed once.
+// Positions in the span are told apart to 1e-9 of its size, far above rounding and far below any difference of rules.
+struct SpanClasses {
+  std::vector<std::int32_t> of_span;        // class of each active span, -1 where it stands alone
+  std::vector<std::int64_t> representative; // first span of each class
+};
+
+constexpr double same_place = 1e-9;
+
+SpanClasses classify(const SolutionSpace& space) {
+  const TrimmedModel& model = space.model();
+  const SplineGrid& grid = model.grid;
+  const Index3 extent = grid.spans();
+  const auto p = grid.degree();
+  std::vector<std::vector<std::int64_t>> keys(model.active.size());
+  tbb::parallel_for(std::size_t{0}, keys.size(), [&](std::size_t s) {
+    const auto a = static_cast<std::int64_t>(s);
+    if (static_cast<SpanState>(model.state[static_cast<std::size_t>(model.active[s])]) != SpanState::Interior) return;
+    if (space.local_extension(a).size() > 0) return;
+    const Index3 ijk = grid.span_index(model.active[s]);
+    const Box3 box = grid.span_box(ijk);
+    auto& key = keys[s];
+    for (std::size_t d = 0; d < 3; ++d) // distance from the ends of the grid, as far as the functions feel it
+      key.push_back(std::min<std::int64_t>(ijk[d], p[d] - 1) * 16 +
+                    std::min<std::int64_t>(extent[d] - 1 - ijk[d], p[d] - 1));
+    const auto parameters = span_parameters(model, a), weights = span_weights(model, a);
+    for (std::size_t q = 0; q < weights.size(); ++q) {
+      for (std::size_t d = 0; d < 3; ++d)
+        key.push_back(
+            std::llround((parameters[3 * q + d] - box.lower[d]) / ((box.upper[d] - box.lower[d]) * same_place)));
+      key.push_back(std::llround(weights[q] / (grid.span_volume() * same_place)));
+    }
+  });
+  SpanClasses classes;
+  classes.of_span.assign(keys.size(), -1);
+  std::map<std::vector<std::int64_t>, std::int64_t> first_of; // first span of a key
+  std::vector<std::int64_t> class_of_first(keys.size(), -1);
+  for (std::size_t s = 0; s < keys.size(); ++s) {
+    if (keys[s].empty()) continue;
+    const auto [it, is_new] = first_of.try_emplace(std::move(keys[s]), static_cast<std::int64_t>(s));
+    if (is_new) continue;
+    std::int64_t& number = class_of_first[static_cast<std::size_t>(it->second)];
+    if (number < 0) {
+      number = static_cast<std::int64_t>(classes.representative.size());
+      classes.representative.push_back(it->second);
+      classes.of_span[static_cast<std::size_t>(it->second)] = static_cast<std::int32_t>(number);
+    }
+    classes.of_span[s] = static_cast<std::int32_t>(number);
+  }
+  return classes;
+}
+
+// Adds compute(span, work) → matrix of every span; once per class.
+template <class Matrix, class Compute>
+void add_spans(const SolutionSpace& space, const Connectivity& connectivity, Matrix& matrix, Compute compute) {
+  const SpanClasses classes = classify(space);
+  tbb::enumerable_thread_specific<WorkSpace> work_spaces;
+  std::vector<Eigen::MatrixXd> shared(classes.representative.size());
+  tbb::parallel_for(std::size_t{0}, shared.size(),
+                    [&](std::size_t c) { shared[c] = compute(classes.representative[c], work_spaces.local()); });
+  const auto& offsets = space.model().points.offsets;
+  for_spans(connectivity, [&](std::int64_t a) {
+    const auto s = static_cast<std::size_t>(a);
+    if (offsets[s] == offsets[s + 1]) return; // generalised rules leave spans without points
+    const std::int32_t kind = classes.of_span[s];
+    matrix.add(space.nodes(a), kind >= 0 ? shared[static_cast<std::size_t>(kind)] : compute(a, work_spaces.local()));
+  });
+}
+
+} // namespace
+
+StiffnessMatrix assemble_stiffness(const SolutionSpace& space, const std::shared_ptr<const Connectivity>& connectivity,
+                                   const ElasticMaterial& material) {
+  const Elasticity elasticity(material);
+  StiffnessMatrix K(connectivity);
+  add_spans(space, *connectivity, K, [&](std::int64_t a, WorkSpace& work) -> const Eigen::MatrixXd& {
+    gradient_products(space, a, work);
+    elasticity.apply(work.product);
+    return work.product;
+  });
+  return K;
+}
+
+MassMatrix assemble_mass(const SolutionSpace& space, const std::shared_ptr<const Connectivity>& connectivity,
+                         double density) {
+  MassMatrix M(connectivity);
+  add_spans(space, *connectivity, M, [&](std::int64_t a, WorkSpace& work) -> const Eigen::MatrixXd& {
+    evaluate(space, a, span_parameters(space.model(), a), Shapes::Values, work.shapes);
+    const auto weights = span_weights(space.model(), a);
+    const Eigen::Map<const Eigen::ArrayXd> w(weights.data(), static_cast<Eigen::Index>(weights.size()));
+    work.weighted = work.shapes.values.array().colwise() * (density * w).sqrt();
+    work.product.setZero(work.weighted.cols(), work.weighted.cols());
+    work.product.selfadjointView<Eigen::Lower>().rankUpdate(work.weighted.transpose());
+    return work.product;
+  });
+  return M;
+}
+
+void span_stiffness(const SolutionSpace& space, std::int64_t a, const ElasticMaterial& material, SpanShapes& shapes,
+                    Eigen::MatrixXd& block) {
+  WorkSpace work;
+  std::swap(work.shapes, shapes);
+  gradient_products(space, a, work);
+  Elasticity(material).apply(work.product);
+  std::swap(work.shapes, shapes);
+  block = std::move(work.product);
+}
+
+namespace {
+
+// s_i = ∫ N_i dV; (num_nodes)
+Eigen::VectorXd function_integrals(const SolutionSpace& space) {
+  std::vector<Eigen::VectorXd> local(static_cast<std::size_t>(space.num_spans()));
+  tbb::enumerable_thread_specific<SpanShapes> shapes;
+  tbb::parallel_for(std::int64_t{0}, space.num_spans(), [&](std::int64_t a) {
+    SpanShapes& work = shapes.local();
+    evaluate(space, a, span_parameters(space.model(), a), Shapes::Values, work);
+    const auto weights = span_weights(space.model(), a);
+    local[static_cast<std::size_t>(a)] =
+        work.values.transpose() *
+        Eigen::Map<const Eigen::VectorXd>(weights.data(), static_cast<Eigen::Index>(weights.size()));
+  });
+  Eigen::VectorXd sums = Eigen::VectorXd::Zero(space.num_nodes());
+  for (std::int64_t a = 0; a < space.num_spans(); ++a) {
+    const auto nodes = space.nodes(a);
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      sums[nodes[i]] += local[static_cast<std::size_t>(a)][static_cast<Eigen::Index>(i)];
+  }
+  return sums;
+}
+
+} // namespace
+
+Eigen::VectorXd lumped_mass(const SolutionSpace& space, double density) {
+  return density * function_integrals(space);
+}
+
+Eigen::VectorXd body_force(const SolutionSpace& space, const Point3& b) {
+  const Eigen::VectorXd integrals = function_integrals(space);
+  Eigen::VectorXd f(space.num_unknowns());
+  for (Eigen::Index n = 0; n < integrals.size(); ++n)
+    for (Eigen::Index d = 0; d < 3; ++d) f[3 * n + d] = integrals[n] * b[static_cast<std::size_t>(d)];
+  return f;
+}
+
+} // namespace iga::solve

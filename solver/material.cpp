@@ -1,0 +1,98 @@
+#include "solver/material.hpp"
+
+#include "format/model/errors.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace iga::solve {
+
+namespace {
+
+// Place of the tensor component (a, b) in a 6-vector: xx yy zz xy yz zx.
+constexpr std::array<std::array<int, 3>, 3> voigt{{{0, 3, 5}, {3, 1, 4}, {5, 4, 2}}};
+
+void need_density(double density) {
+  if (!(density > 0) || !std::isfinite(density))
+    throw InputError(fmt::format("material: density rho = {} is not positive; give rho in mass per length³", density));
+}
+
+// Eigenvalues of the acoustic tensor A_ac = n_b C_abcd n_d over directions n: extremes over corners, edges and faces of
+// a cube and the points between them; exact for isotropic materials.
+template <class Pick> double wave_speed(const ElasticMaterial& m, double start, Pick pick) {
+  double extreme = start;
+  for (int x = -2; x <= 2; ++x)
+    for (int y = -2; y <= 2; ++y)
+      for (int z = 0; z <= 2; ++z) {
+        const Eigen::Vector3d direction(x, y, z);
+        if (direction.isZero()) continue;
+        const Eigen::Vector3d n = direction.normalized();
+        Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
+        for (std::size_t a = 0; a < 3; ++a)
+          for (std::size_t c = 0; c < 3; ++c)
+            for (std::size_t b = 0; b < 3; ++b)
+              for (std::size_t d = 0; d < 3; ++d)
+                A(static_cast<int>(a), static_cast<int>(c)) +=
+                    n[static_cast<int>(b)] * m.C(voigt[a][b], voigt[c][d]) * n[static_cast<int>(d)];
+        const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(A, Eigen::EigenvaluesOnly);
+        extreme = pick(extreme, solver.eigenvalues());
+      }
+  return std::sqrt(extreme / m.density);
+}
+
+} // namespace
+
+double ElasticMaterial::fastest_wave() const {
+  return wave_speed(*this, 0, [](double e, const Eigen::Vector3d& v) { return std::max(e, v[2]); });
+}
+
+double ElasticMaterial::slowest_wave() const {
+  return wave_speed(*this, INFINITY, [](double e, const Eigen::Vector3d& v) { return std::min(e, v[0]); });
+}
+
+ElasticMaterial isotropic(double E, double nu, double density) {
+  if (!(E > 0) || !std::isfinite(E))
+    throw InputError(fmt::format("material: Young's modulus E = {} is not positive; give E in force per length²", E));
+  if (!(nu > -1 && nu < 0.5))
+    throw InputError(fmt::format("material: Poisson's ratio nu = {} does not lie between -1 and 0.5; {}", nu,
+                                 nu == 0.5 ? "an incompressible material is outside what displacements alone can "
+                                             "describe: take 0.49 and degree 3 for a rubber"
+                                           : "steel has about 0.3, rubber up to 0.49"));
+  need_density(density);
+  const double lambda = E * nu / ((1 + nu) * (1 - 2 * nu)), mu = E / (2 * (1 + nu));
+  ElasticMaterial m;
+  m.C.topLeftCorner<3, 3>().setConstant(lambda);
+  m.C.diagonal() << lambda + 2 * mu, lambda + 2 * mu, lambda + 2 * mu, mu, mu, mu;
+  m.density = density;
+  return m;
+}
+
+ElasticMaterial anisotropic(const VoigtMatrix& C, double density) {
+  if (!C.allFinite()) throw InputError("material: C holds a number that is not finite");
+  const double asymmetry = (C - C.transpose()).cwiseAbs().maxCoeff();
+  if (asymmetry > 1e-9 * C.cwiseAbs().maxCoeff())
+    throw InputError(fmt::format("material: C is not symmetric: two entries that should agree differ by {:.3g}; give "
+                                 "the rows in the order xx yy zz xy yz zx",
+                                 asymmetry));
+  const Eigen::SelfAdjointEigenSolver<VoigtMatrix> eigen(C, Eigen::EigenvaluesOnly);
+  if (!(eigen.eigenvalues()[0] > 1e-12 * eigen.eigenvalues()[5]))
+    throw InputError(
+        fmt::format("material: C is not positive definite: its smallest eigenvalue is {:.6g}; every strain "
+                    "must store energy",
+                    eigen.eigenvalues()[0]));
+  need_density(density);
+  ElasticMaterial m;
+  m.C = (C + C.transpose()) / 2;
+  m.density = density;
+  return m;
+}
+
+double von_mises(const Voigt& s) {
+  const double a = s[0] - s[1], b = s[1] - s[2], c = s[2] - s[0];
+  return std::sqrt((a * a + b * b + c * c) / 2 + 3 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]));
+}
+
+} // namespace iga::solve
