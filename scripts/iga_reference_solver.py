@@ -74,12 +74,12 @@ def assemble(model, C, rho):
     offsets, weights, parameters = (model["/quadrature/" + name] for name in ("offsets", "weights", "parameters"))
     spans = model._split(model["/spans/active"], model.spans)
     numbers = np.searchsorted(active, model.numbers_at(spans))  # (spans, m)
-    m = numbers.shape[1]
-    K, M = sparse.csr_matrix((3 * len(active),) * 2), sparse.csr_matrix((len(active),) * 2)
+    n, m = len(active), numbers.shape[1]
+    K, M = sparse.csr_matrix((3 * n, 3 * n)), sparse.csr_matrix((n, n))
     step = max(1, ENTRIES_PER_BLOCK // (9 * m * m))
     for first in range(0, len(spans), step):
         block = range(first, min(first + step, len(spans)))
-        k, mass = np.zeros((len(block), 3 * m, 3 * m)), np.zeros((len(block), m, m))
+        k, mass = np.zeros((len(block), m, 3, m, 3)), np.zeros((len(block), m, m))
         for row, span in enumerate(block):
             points = slice(offsets[span], offsets[span + 1])
             count = offsets[span + 1] - offsets[span]
@@ -88,20 +88,18 @@ def assemble(model, C, rho):
             owners, u, w = np.repeat(spans[span:span + 1], count, axis=0), parameters[points], weights[points]
             N = model.functions_at(owners, u)[1]
             B = strain_operator(model.gradients_at(owners, u))
-            k[row] = B.reshape(-1, 3 * m).T @ (w[:, None, None] * (C @ B)).reshape(-1, 3 * m)
+            k[row] = (B.reshape(-1, 3 * m).T @ (w[:, None, None] * (C @ B)).reshape(-1, 3 * m)).reshape(m, 3, m, 3)
             mass[row] = N.T @ (rho * w[:, None] * N)
         rows = numbers[block.start:block.stop]
-        dofs = (3 * rows[:, :, None] + np.arange(3)).reshape(len(rows), -1)
-        K = K + _scattered(k, dofs, K.shape)
-        M = M + _scattered(mass, rows, M.shape)
+        pairs, place = np.unique(rows[:, :, None] * n + rows[:, None, :], return_inverse=True)
+        place = place.ravel()
+        gathered = lambda values: np.bincount(place, values.ravel(), len(pairs))  # noqa: E731
+        i, j = pairs // n, pairs % n
+        M = M + sparse.csr_matrix((gathered(mass), (i, j)), (n, n))
+        entries = np.stack([gathered(k[:, :, a, :, b]) for a in range(3) for b in range(3)], 1)
+        i, j = 3 * i[:, None] + np.repeat(np.arange(3), 3), 3 * j[:, None] + np.tile(np.arange(3), 3)
+        K = K + sparse.csr_matrix((entries.ravel(), (i.ravel(), j.ravel())), (3 * n, 3 * n))
     return (K + K.T) / 2, (M + M.T) / 2
-
-
-def _scattered(matrices, indices, shape):
-    """Sum of small square matrices (s, m, m) at indices (s, m)."""
-    rows = np.broadcast_to(indices[:, :, None], matrices.shape).ravel()
-    columns = np.broadcast_to(indices[:, None, :], matrices.shape).ravel()
-    return sparse.coo_matrix((matrices.ravel(), (rows, columns)), shape=shape).tocsr()
 
 
 def length_scale(model):
