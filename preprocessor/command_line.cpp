@@ -1,6 +1,6 @@
 #include "preprocessor/command_line.hpp"
 
-#include "format/io/settings_reader.hpp"
+#include "format/io/command_line.hpp"
 #include "format/model/errors.hpp"
 
 #include <CLI/CLI.hpp>
@@ -174,26 +174,6 @@ TypedSettings flags_of(const Raw& raw, TypedSettings t) {
   return t;
 }
 
-[[noreturn]] void refuse_usage(const CLI::App& app, const CLI::ParseError& error) {
-  std::string text = error.what();
-  std::vector<std::string> flags;
-  for (const CLI::Option* option : app.get_options())
-    for (const std::string& name : option->get_lnames()) flags.push_back("--" + name);
-  for (const std::string& word : app.remaining())
-    if (word.starts_with("-"))
-      if (const auto near = io::nearest_name(word.substr(0, word.find('=')), flags))
-        text += fmt::format("; did you mean {}?", *near);
-  throw InputError(text + " (see igaprep --help)");
-}
-
-std::string quoted(const std::string& word) {
-  const bool plain = !word.empty() && word.find_first_of(" \t\n'\"\\$*?;&|<>()#") == std::string::npos;
-  if (plain) return word;
-  std::string out = "'";
-  for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + "'";
-}
-
 } // namespace
 
 std::optional<CommandLine> parse_command_line(int argc, const char* const* argv) {
@@ -212,10 +192,9 @@ std::optional<CommandLine> parse_command_line(int argc, const char* const* argv)
     app.exit(answered);
     return std::nullopt;
   } catch (const CLI::ParseError& error) {
-    refuse_usage(app, error);
+    io::refuse_usage(app, error, "igaprep");
   }
-  line.text = "igaprep";
-  for (int i = 1; i < argc; ++i) line.text += " " + quoted(argv[i]);
+  line.text = io::command_text("igaprep", argc, argv);
 
   const TypedSettings flags = flags_of(raw, typed);
   if (!raw.file && !flags.input) throw InputError("no surface or settings file is given (see igaprep --help)");

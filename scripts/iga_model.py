@@ -5,151 +5,17 @@ As a command:  scripts/iga_model.py part.h5 [--json]     validates the file and 
 As a module:   model = iga_model.read("part.h5");  model.positions(), model.volume_integrals(), model.mass_fractions()
 """
 import argparse
-import ast
 import json
-import operator
 import sys
-import tomllib
-from pathlib import Path
 
 import h5py
 import numpy as np
 
-SCHEMA = Path(__file__).resolve().parent.parent / "schema" / "model.toml"
-COMPRESS_ABOVE = 64 * 1024  # bytes
+import iga_schema
+from iga_schema import FormatError, text_of as _text
+
+SCHEMA = iga_schema.load("model")
 BLOCK = 100_000  # points whose basis values are held at a time
-
-
-class FormatError(Exception):
-    """The file breaks the schema."""
-
-
-# ----------------------------------------------------------------------------------------------------------- validation
-
-def _evaluate(expression, symbols):
-    """Value of a sum and product of numbers and symbols."""
-    operators = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul}
-
-    def value(node):
-        if isinstance(node, ast.BinOp):
-            return operators[type(node.op)](value(node.left), value(node.right))
-        return node.value if isinstance(node, ast.Constant) else symbols[node.id]
-
-    return value(ast.parse(expression, mode="eval").body)
-
-
-def _dtype_name(dtype):
-    if h5py.check_string_dtype(dtype) is not None:
-        return "string"
-    if h5py.check_enum_dtype(dtype) is not None:
-        return "enum"
-    return f"{dtype.kind}{8 * dtype.itemsize}"
-
-
-def _text(value):
-    return value.decode("utf-8") if isinstance(value, bytes) else str(value)
-
-
-def _expect_shape(path, expressions, found, symbols):
-    if len(found) != len(expressions):
-        raise FormatError(f"{path}: has shape {found}, expected {len(expressions)} extents ({', '.join(expressions)})")
-    for expression, extent in zip(expressions, found):
-        if expression.isidentifier() and expression not in symbols:
-            symbols[expression] = extent
-        expected = _evaluate(expression, symbols)
-        if extent != expected:
-            raise FormatError(f"{path}: has shape {found}, expected ({', '.join(expressions)}) with {expression} = {expected}")
-
-
-def _check_attribute(file, entry, symbols):
-    path = f"{entry['object']} attribute {entry['name']}"
-    attributes = file[entry["object"]].attrs
-    if entry["name"] not in attributes:
-        if entry["required"]:
-            raise FormatError(f"{path}: is missing")
-        return
-    attribute = attributes.get_id(entry["name"])
-    dtype = _dtype_name(attribute.dtype)
-    if dtype != entry["dtype"]:
-        raise FormatError(f"{path}: holds {dtype}, expected {entry['dtype']}")
-    _expect_shape(path, entry["shape"], attribute.shape, symbols)
-
-
-def _check_dataset(file, entry, schema, symbols):
-    path = entry["path"]
-    if path not in file:
-        too_long = "required_up_to" in entry and _evaluate(entry["shape"][0], symbols) > entry["required_up_to"]
-        if entry["required"] and not too_long:
-            raise FormatError(f"{path}: is missing")
-        return
-    dataset = file[path]
-    if not isinstance(dataset, h5py.Dataset):
-        raise FormatError(f"{path}: is a group, expected a dataset")
-    dtype = _dtype_name(dataset.dtype)
-    if dtype != entry["dtype"]:
-        raise FormatError(f"{path}: holds {dtype}, expected {entry['dtype']}")
-    if dtype == "enum" and h5py.check_enum_dtype(dataset.dtype) != schema["enum"][entry["enum"]]:
-        raise FormatError(f"{path}: names {h5py.check_enum_dtype(dataset.dtype)}, expected {schema['enum'][entry['enum']]}")
-    _expect_shape(path, entry["shape"], dataset.shape, symbols)
-
-
-def validate(file):
-    """Holds an open file against schema/model.toml; returns the symbols' values. Raises FormatError."""
-    schema = tomllib.loads(SCHEMA.read_text())
-    found = _text(file.attrs.get("format", "")), _text(file.attrs.get("format_version", ""))
-    major = schema["format_version"].split(".")[0]
-    if found[0] != schema["format"] or found[1].split(".")[0] != major:
-        raise FormatError(f"/: format {found[0]!r} and format_version {found[1]!r}, "
-                          f"expected {schema['format']!r} and {major}.x")
-    absent = []
-    for group in schema["group"]:
-        if group["path"] not in file:
-            if group["required"]:
-                raise FormatError(f"{group['path']}: is missing; expected a group")
-            absent.append(group["path"])
-    symbols = {}
-    for entry in schema["attribute"]:
-        if entry["object"] not in absent:
-            _check_attribute(file, entry, symbols)
-    for name, source in schema["symbols"].items():
-        symbols[name] = int(file["/patch"].attrs[source["attribute"]][source["index"]])
-    for entry in schema["dataset"]:
-        _check_dataset(file, entry, schema, symbols)
-    return symbols
-
-
-def validate_storage(file):
-    """What a writer owes beyond a reader's needs: texts on every dataset, checksums, compression, nothing unlisted."""
-    schema = tomllib.loads(SCHEMA.read_text())
-    listed = {entry["path"]: entry for entry in schema["dataset"]}
-    groups = {entry["path"] for entry in schema["group"]}
-    attributes = {(entry["object"], entry["name"]) for entry in schema["attribute"]}
-
-    def visit(name, item):
-        path = "/" + name
-        names = set(item.attrs) - {name for owner, name in attributes if owner == path} - {"description"}
-        if isinstance(item, h5py.Group):
-            if path not in groups or not item.attrs.get("description"):
-                raise FormatError(f"{path}: is not in the schema or has no description")
-        else:
-            names -= {"unit", "order"}
-            entry = listed.get(path)
-            if entry is None:
-                raise FormatError(f"{path}: is not in the schema")
-            for key in ("unit", "order"):
-                if _text(item.attrs.get(key, "")) != entry[key]:
-                    raise FormatError(f"{path} attribute {key}: is {item.attrs.get(key)!r}, expected {entry[key]!r}")
-            if not _text(item.attrs.get("description", "")):
-                raise FormatError(f"{path}: has no description")
-            if item.chunks is None or not item.fletcher32:
-                raise FormatError(f"{path}: is not chunked with a Fletcher-32 checksum")
-            packed = item.compression == "gzip" and item.shuffle
-            if item.size * item.dtype.itemsize > COMPRESS_ABOVE and not packed:
-                raise FormatError(f"{path}: is larger than 64 KiB and not compressed")
-        if names:
-            raise FormatError(f"{path}: has attributes beyond the schema: {sorted(names)}")
-
-    file.visititems(visit)
 
 
 # ------------------------------------------------------------------------------------------------------------- the basis
@@ -200,7 +66,7 @@ class Model:
 
     def __init__(self, path):
         with h5py.File(path, "r") as file:
-            self.symbols = validate(file)
+            self.symbols = iga_schema.validate(file, SCHEMA)
             self.attributes = {("/" + name): dict(file[name].attrs) for name in ("patch", "quadrature", "surface")}
             self.attributes["/"] = dict(file.attrs)
             self.data = {}

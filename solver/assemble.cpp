@@ -13,13 +13,14 @@ namespace {
 
 struct WorkSpace {
   SpanShapes shapes;
+  SpanPointStorage points;
   Eigen::MatrixXd weighted, product, block;
 };
 
 // G_ij = Σ_q w ∇N_i ∇N_jᵀ: all that a span's stiffness needs of its points, whatever the material. Lower triangle.
 void gradient_products(const SolutionSpace& space, std::int64_t a, WorkSpace& work) {
-  evaluate(space, a, span_parameters(space.model(), a), Shapes::Gradients, work.shapes);
-  const auto weights = span_weights(space.model(), a);
+  const auto [parameters, weights] = span_points(space, a, work.points);
+  evaluate(space, a, parameters, Shapes::Gradients, work.shapes);
   const Eigen::Map<const Eigen::ArrayXd> w(weights.data(), static_cast<Eigen::Index>(weights.size()));
   work.weighted = work.shapes.gradients.array().colwise() * w.sqrt();
   work.product.setZero(work.weighted.cols(), work.weighted.cols());
@@ -160,8 +161,8 @@ MassMatrix assemble_mass(const SolutionSpace& space, const std::shared_ptr<const
                          double density) {
   MassMatrix M(connectivity);
   add_spans(space, *connectivity, M, [&](std::int64_t a, WorkSpace& work) -> const Eigen::MatrixXd& {
-    evaluate(space, a, span_parameters(space.model(), a), Shapes::Values, work.shapes);
-    const auto weights = span_weights(space.model(), a);
+    const auto [parameters, weights] = span_points(space, a, work.points);
+    evaluate(space, a, parameters, Shapes::Values, work.shapes);
     const Eigen::Map<const Eigen::ArrayXd> w(weights.data(), static_cast<Eigen::Index>(weights.size()));
     work.weighted = work.shapes.values.array().colwise() * (density * w).sqrt();
     work.product.setZero(work.weighted.cols(), work.weighted.cols());
@@ -186,13 +187,13 @@ namespace {
 // s_i = ∫ N_i dV; (num_nodes)
 Eigen::VectorXd function_integrals(const SolutionSpace& space) {
   std::vector<Eigen::VectorXd> local(static_cast<std::size_t>(space.num_spans()));
-  tbb::enumerable_thread_specific<SpanShapes> shapes;
+  tbb::enumerable_thread_specific<WorkSpace> work_spaces;
   tbb::parallel_for(std::int64_t{0}, space.num_spans(), [&](std::int64_t a) {
-    SpanShapes& work = shapes.local();
-    evaluate(space, a, span_parameters(space.model(), a), Shapes::Values, work);
-    const auto weights = span_weights(space.model(), a);
+    WorkSpace& work = work_spaces.local();
+    const auto [parameters, weights] = span_points(space, a, work.points);
+    evaluate(space, a, parameters, Shapes::Values, work.shapes);
     local[static_cast<std::size_t>(a)] =
-        work.values.transpose() *
+        work.shapes.values.transpose() *
         Eigen::Map<const Eigen::VectorXd>(weights.data(), static_cast<Eigen::Index>(weights.size()));
   });
   Eigen::VectorXd sums = Eigen::VectorXd::Zero(space.num_nodes());

@@ -1,51 +1,37 @@
-// Supports and loads on the embedded surface: regions, weak Dirichlet conditions, tractions.
+// Supports on the embedded surface: prescribed displacements imposed weakly by one of three methods.
 #pragma once
 
 #include "solver/linear_solver.hpp"
 #include "solver/material.hpp"
-
-#include <optional>
-#include <string>
+#include "solver/surface_region.hpp"
 
 namespace iga::solve {
 
 enum class SupportMethod { Nitsche, Penalty, Lagrange };
 
-/// Which surface points a condition holds on: all given tests must be met.
-struct RegionChoice {
-  std::optional<std::string> name;    ///< region name in the file
-  std::optional<std::int64_t> number; ///< region number in the file
-  std::optional<Box3> box;            ///< position within a box (part's frame)
-  struct Plane {
-    Point3 point{}, normal{};
-    double tolerance = 0; ///< length
-  };
-  std::optional<Plane> plane; ///< position on a plane
-  struct Direction {
-    Point3 direction{};
-    double angle = 0; ///< degrees between the outward normal and the direction
-  };
-  std::optional<Direction> normal;
-};
-
 /// Prescribed displacement components on a region, in the frame whose columns are `frame` (default: the part's axes).
+/// Component d of the prescribed displacement is value[d] + gradient[d] · x, x in the part's axes (length).
 struct Support {
   std::string name;
   RegionChoice region;
   std::array<bool, 3> fixed{true, true, true};
+  /// Instead of `fixed`: the component along the surface's own normal alone, point by point (symmetry plane,
+  /// frictionless guide); it is prescribed to be value[0] (positive: outward).
+  bool along_normal = false;
   Point3 value{};                   ///< length, in `frame`; constant part
-  std::array<Point3, 3> gradient{}; ///< u_D = value + gradient (x - origin): rows in `frame`, for linear fields
+  std::array<Point3, 3> gradient{}; ///< no unit; row d belongs to component d of `frame`
   Rotation frame = identity_rotation;
   SupportMethod method = SupportMethod::Nitsche;
   double penalty_factor = 1e3; ///< C in beta = C E / h, for the penalty method
 };
 
-/// What a region turned out to be, for the report.
-struct RegionReport {
-  std::string name;
-  std::int64_t points = 0;
-  double area = 0;   ///< length²
-  Point3 centroid{}; ///< length, the part's frame
+/// One support with the region it found, and what its method fixed for it.
+struct PreparedSupport {
+  Support support;
+  SurfaceRegion region;
+  std::vector<double> beta;          ///< (region.spans), force/length³; Nitsche and penalty
+  std::int64_t first_constraint = 0; ///< its rows of the constraint matrix; Lagrange
+  std::int64_t num_constraints = 0;
 };
 
 /// What supports add to a system beyond the stiffness matrix itself.
@@ -54,11 +40,27 @@ struct SupportTerms {
   ConstraintMatrix constraints; ///< Lagrange multipliers: C u = values; no rows where none is asked for
   Eigen::VectorXd values;       ///< (constraints)
   std::vector<RegionReport> regions;
+  std::vector<PreparedSupport> prepared; ///< for the reactions
 };
 
 /// Adds the supports' stiffness to K (same sparsity: all terms are local to a span) and returns the rest.
-/// @throws InputError for a region without area, naming it
+/// The result is positive definite without constraints where the supports hold the part (see free_rigid_modes).
+/// @throws InputError for a region without area or a symmetry frame without directions, naming the support
 SupportTerms apply_supports(const SolutionSpace& space, const ElasticMaterial& material,
                             std::span<const Support> supports, StiffnessMatrix& K);
+
+/// Force of a support on the part and its moment about the origin.
+struct Reaction {
+  std::string name;
+  Point3 force{};  ///< force, the part's frame
+  Point3 moment{}; ///< force · length
+  double work = 0; ///< ½ ∫ t · u_D dA: work of the support's traction on its prescribed displacement
+};
+
+/// Reactions of all supports, each by its method's own consistent traction: they balance the loads to rounding.
+/// @param[in] u            (num_unknowns)
+/// @param[in] multipliers  (constraints), as solved with [K Cᵀ; C 0]
+std::vector<Reaction> reactions(const SolutionSpace& space, const ElasticMaterial& material, const SupportTerms& terms,
+                                const Eigen::VectorXd& u, const Eigen::VectorXd& multipliers);
 
 } // namespace iga::solve

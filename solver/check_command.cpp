@@ -35,7 +35,7 @@ int run_check(const ModelCommand& command) {
       if (problems.empty()) fmt::print("{}: sound\n", file);
     }
   }
-  return problems.empty() ? success : bad_format;
+  return problems.empty() ? io::exit_done : io::exit_format;
 }
 
 } // namespace iga::solve

@@ -1,15 +1,16 @@
 // The commands of igasolve: each takes what the user asked for and returns the exit code; errors are thrown.
 #pragma once
 
+#include "format/io/run_tool.hpp"
+
 #include <filesystem>
 
 namespace iga::solve {
 
+struct AnalysisCommand;
+
 /// How a report reaches the user. `json` prints one JSON object, `quiet` nothing but errors.
 enum class ReportStyle { Text, Json, Quiet };
-
-/// Exit codes of both tools.
-enum ExitCode { success = 0, our_bug = 1, bad_input = 2, bad_format = 3, no_convergence = 4 };
 
 struct ModelCommand {
   std::filesystem::path model;
@@ -19,7 +20,12 @@ struct ModelCommand {
 /// Prints what a sound model file holds. @throws InputError, FormatError
 int run_info(const ModelCommand& command);
 
-/// Prints every problem of a model file, or that there is none; bad_format where there are problems. @throws InputError
+/// Prints every problem of a model file, or that there is none; exit_format where there are problems. @throws
+/// InputError
 int run_check(const ModelCommand& command);
+
+/// Runs eigen, timestep or static: reads the model, analyses, writes the results file, prints the report.
+/// @throws InputError, FormatError, NumericalError
+int run_analysis(const AnalysisCommand& command);
 
 } // namespace iga::solve

@@ -115,11 +115,11 @@ std::string json_report(const std::filesystem::path& file, const TrimmedModel& m
 
 int run_info(const ModelCommand& command) {
   const TrimmedModel model = io::read_model(command.model);
-  if (command.style == ReportStyle::Quiet) return success;
+  if (command.style == ReportStyle::Quiet) return io::exit_done;
   const ModelSummary summary = summarise(model);
   fmt::print("{}", command.style == ReportStyle::Json ? json_report(command.model, model, summary)
                                                       : text_report(command.model, model, summary));
-  return success;
+  return io::exit_done;
 }
 
 } // namespace iga::solve

@@ -13,7 +13,8 @@ namespace iga::solve {
 
 namespace {
 
-constexpr double lowest_threshold = 1e-9; // a part that has no good span above it keeps its functions as they are
+constexpr double lowest_threshold = 1e-9; // a part that has no good span above it is filled with fictitious material
+constexpr double fictitious_share = 1e-3; // its stiffness and mass, relative to the material's
 
 std::int64_t find(const std::vector<std::int64_t>& sorted, std::int64_t value) {
   const auto it = std::lower_bound(sorted.begin(), sorted.end(), value);
@@ -65,6 +66,7 @@ class Planner {
     if (remedy_ == LightFunctions::Linear || remedy_ == LightFunctions::DegreeP) {
       find_neighbours();
       find_good_spans(plan.warnings);
+      plan.fictitious = fictitious_;
     }
     std::vector<std::int64_t> functions;
     for (std::size_t f = 0; f < light_.size(); ++f)
@@ -141,9 +143,13 @@ class Planner {
         });
       for (const std::int32_t a : part) good_[static_cast<std::size_t>(a)] = is_good(a);
     }
-    if (!any_good())
-      for (const std::int32_t a : part)
+    if (!any_good()) {
+      fictitious_.resize(model_.active.size());
+      for (const std::int32_t a : part) {
+        fictitious_[static_cast<std::size_t>(a)] = fictitious_share;
         for_functions(a, [&](std::int64_t f) { light_[static_cast<std::size_t>(f)] = 0; });
+      }
+    }
     const Index3 ijk = model_.grid.span_index(model_.active[static_cast<std::size_t>(part.front())]);
     const Box3 box = model_.grid.span_box(ijk);
     const Point3 x = model_.grid.to_position(box.lower);
@@ -152,7 +158,10 @@ class Planner {
         "above "
         "the mass fraction {:.3g}; {}; smaller spans (two or more across the thickness) mend it",
         part.size(), x[0], x[1], x[2], threshold_,
-        any_good() ? fmt::format("there the threshold is {:.3g}", threshold) : "its light functions stay as they are"));
+        any_good() ? fmt::format("there the threshold is {:.3g}", threshold)
+                   : fmt::format("its spans are filled with fictitious material ({} of stiffness and "
+                                 "mass), which makes it too heavy and too stiff",
+                                 fictitious_share)));
   }
 
   // Active spans in the support of a function.
@@ -228,6 +237,7 @@ class Planner {
   LightFunctions remedy_;
   double threshold_;
   std::vector<char> light_, good_;
+  std::vector<double> fictitious_;
   std::vector<std::int32_t> neighbours_; // (num_active × 6), -1 where none is active
 };
 

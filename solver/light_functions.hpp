@@ -13,7 +13,8 @@ struct Slave {
 };
 
 struct LightFunctionPlan {
-  std::vector<Slave> slaves; ///< ascending function
+  std::vector<Slave> slaves;      ///< ascending function
+  std::vector<double> fictitious; ///< (num_active): SolutionSpace::fictitious_share; empty: nowhere
   std::vector<std::string> warnings;
 };
 
@@ -23,7 +24,8 @@ std::vector<std::int64_t> function_rows(const TrimmedModel& model);
 
 /// Which functions are light and whom they follow. A good span is one without light functions; each light function
 /// follows the good span nearest to its centre (in index space, the lowest number on ties) that face-adjacent active
-/// spans connect with its support. Where a connected part has no good span the threshold falls by factors of 10 there.
+/// spans connect with its support. Where a connected part has no good span the threshold falls by factors of 10 there,
+/// and where that finds none, its spans are filled with a little fictitious material.
 LightFunctionPlan plan_light_functions(const TrimmedModel& model, const std::vector<std::int64_t>& rows,
                                        const LightTreatment& treatment);
 

@@ -47,6 +47,9 @@ class LinearSolver {
 /// @throws NumericalError where the matrix is not positive definite, naming the likely cause
 std::unique_ptr<LinearSolver> factorise_positive_definite(const SystemMatrix& system);
 
+/// Cholesky factor of a consistent mass matrix over the nodes (one component; size: num_nodes). Throws as above.
+std::unique_ptr<LinearSolver> factorise_mass(const MassMatrix& mass);
+
 /// L D Lᵀ of any system, constraints included; redundant constraints are found and given zero multipliers.
 /// Throws as factorise_positive_definite.
 std::unique_ptr<LinearSolver> factorise_indefinite(const SystemMatrix& system);

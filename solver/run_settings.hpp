@@ -1,45 +1,57 @@
-// What an analysis is asked to do: the command line and the run file (TOML) filled into one checked struct.
+// What an analysis is asked to do: flags and run file (TOML) as typed, then one complete, checked struct.
 #pragma once
 
 #include "solver/boundary.hpp"
+#include "solver/eigen_settings.hpp"
 #include "solver/material.hpp"
 #include "solver/solution_space.hpp"
 
 #include <filesystem>
 #include <optional>
 
-namespace iga::io {
-class SettingsTable;
-}
-
 namespace iga::solve {
 
 enum class MassType { Consistent, Lumped, TwoPass, ThreePass };
+enum class Analysis { Eigen, Timestep, Static };
 
-/// Settings that every analysis has.
+/// Settings as typed: nothing is filled in yet. Names are those of the flags with underscores.
+struct TypedRun {
+  std::optional<std::filesystem::path> model, output;
+  std::optional<std::string> units, mass, light_functions;
+  std::optional<double> E, nu, rho, light_threshold;
+  std::optional<std::vector<double>> C; ///< 36 numbers row by row, or the 21 of the upper triangle
+  std::optional<std::int64_t> modes, subdivide;
+  std::optional<bool> largest, sturm, viewer;
+  std::vector<Support> supports;
+};
+
+/// Settings that every analysis has, complete.
 struct RunSettings {
-  std::filesystem::path run_file; ///< empty where there is none
-  std::filesystem::path model;    ///< interchange file
-  std::filesystem::path output;   ///< results file; empty: none is written
-  bool force = false;             ///< replace an existing results file
-  int threads = 0;                ///< 0: all
-  bool quiet = false, json = false;
-  std::string command_line;
+  Analysis analysis = Analysis::Eigen;
+  std::filesystem::path model;      ///< interchange file
+  std::filesystem::path output;     ///< results file; empty: none is written
   std::optional<std::string> units; ///< label that must match the model's length_unit
   ElasticMaterial material;
   MassType mass = MassType::Consistent;
-  std::optional<LightFunctions> light_functions; ///< default by mass type
-  std::optional<double> light_threshold;
+  LightTreatment light;
   std::vector<Support> supports;
+  EigenSettings eigen;
   int subdivide = 2;  ///< surface output: longest edge at most span / subdivide
-  bool viewer = true; ///< write .pvd/.vtp beside the results file
-
-  /// The treatment asked for, or the default of the mass type (README.md, light functions).
-  LightTreatment light_treatment() const;
+  bool viewer = true; ///< files for ParaView beside the results file
 };
 
-/// [material]: E, nu, rho or C (6 × 6 or 21 numbers of the upper triangle) and rho.
-/// @throws InputError with file and line
-ElasticMaterial read_material(io::SettingsTable& table);
+/// Treatment of light functions where the user asks for none: measured in README.md.
+LightTreatment default_light_treatment(MassType mass);
+
+/// Reads a run file; paths in it are relative to its folder.
+/// @throws InputError with file and line for an unknown key (and the nearest known one) or a wrong type
+TypedRun read_run_file(const std::filesystem::path& file);
+/// `flags` where given, else `file`.
+TypedRun override_run(TypedRun file, const TypedRun& flags);
+/// @throws InputError naming what is missing or impossible
+RunSettings validate_run(const TypedRun& typed, Analysis analysis);
+
+const char* name_of(MassType mass);
+const char* name_of(LightFunctions remedy);
 
 } // namespace iga::solve

@@ -3,7 +3,9 @@
 #include "format/model/errors.hpp"
 #include "solver/light_functions.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
@@ -23,6 +25,7 @@ SolutionSpace::SolutionSpace(const TrimmedModel& model, const LightTreatment& tr
   const std::vector<std::int64_t> rows = function_rows(model);
   LightFunctionPlan plan = plan_light_functions(model, rows, treatment);
   warnings_ = std::move(plan.warnings);
+  fictitious_ = std::move(plan.fictitious);
   num_light_ = static_cast<std::int64_t>(plan.slaves.size());
 
   const std::size_t num_functions = model.active_functions.size();
@@ -89,6 +92,45 @@ SolutionSpace::SolutionSpace(const TrimmedModel& model, const LightTreatment& tr
     local_extension_index_.back() = static_cast<std::int32_t>(local_extensions_.size());
     local_extensions_.push_back(std::move(E));
   }
+}
+
+namespace {
+
+// Gauss–Legendre rule with n points on [0, 1]: nodes in the first column, weights in the second. Golub & Welsch (1969).
+Eigen::MatrixX2d gauss_rule(int n) {
+  Eigen::MatrixXd jacobi = Eigen::MatrixXd::Zero(n, n);
+  for (int k = 1; k < n; ++k) jacobi(k, k - 1) = jacobi(k - 1, k) = k / std::sqrt(4.0 * k * k - 1);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(jacobi);
+  Eigen::MatrixX2d rule(n, 2);
+  rule.col(0) = (solver.eigenvalues().array() + 1) / 2;
+  rule.col(1) = solver.eigenvectors().row(0).array().square();
+  return rule;
+}
+
+} // namespace
+
+SpanPoints span_points(const SolutionSpace& space, std::int64_t a, SpanPointStorage& storage) {
+  const TrimmedModel& model = space.model();
+  const auto parameters = span_parameters(model, a), weights = span_weights(model, a);
+  const double share = space.fictitious_share(a);
+  if (share == 0) return {parameters, weights};
+  storage.parameters.assign(parameters.begin(), parameters.end());
+  storage.weights.assign(weights.begin(), weights.end());
+  const Box3 box = model.grid.span_box(model.grid.span_index(model.active[static_cast<std::size_t>(a)]));
+  const auto p = model.grid.degree();
+  const Eigen::MatrixX2d rules[3] = {gauss_rule(p[0] + 1), gauss_rule(p[1] + 1), gauss_rule(p[2] + 1)};
+  for (Eigen::Index k = 0; k <= p[2]; ++k)
+    for (Eigen::Index j = 0; j <= p[1]; ++j)
+      for (Eigen::Index i = 0; i <= p[0]; ++i) {
+        const Eigen::Index place[3] = {i, j, k};
+        double weight = share * model.grid.span_volume();
+        for (std::size_t d = 0; d < 3; ++d) {
+          storage.parameters.push_back(box.lower[d] + rules[d](place[d], 0) * (box.upper[d] - box.lower[d]));
+          weight *= rules[d](place[d], 1);
+        }
+        storage.weights.push_back(weight);
+      }
+  return {storage.parameters, storage.weights};
 }
 
 const Eigen::MatrixXd& SolutionSpace::local_extension(std::int64_t a) const {

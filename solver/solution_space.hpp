@@ -37,6 +37,11 @@ class SolutionSpace {
   std::int64_t num_unknowns() const { return 3 * num_nodes(); }
   std::int64_t num_spans() const { return static_cast<std::int64_t>(model_->active.size()); }
   std::int64_t num_light() const { return num_light_; }
+  /// Share of the material that fills the a-th span beside the part's own (finite-cell method): above 0 only in parts
+  /// so thin that none of their functions is well filled. Stiffness and mass both count it.
+  double fictitious_share(std::int64_t a) const {
+    return fictitious_.empty() ? 0 : fictitious_[static_cast<std::size_t>(a)];
+  }
   /// What the user should know: thin parts, lowered thresholds, functions that found no master.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
@@ -64,6 +69,7 @@ class SolutionSpace {
   LightTreatment treatment_;
   std::int64_t num_light_ = 0;
   std::vector<std::string> warnings_;
+  std::vector<double> fictitious_; // (num_active), or empty: nowhere
   std::vector<std::int64_t> node_function_;
   std::vector<std::int64_t> offsets_;
   std::vector<std::int32_t> nodes_;
@@ -85,6 +91,17 @@ enum class Shapes { Values, Gradients, Both };
 /// @param parameters  (n × 3), row-major, in or near the closed span (polynomials continue beyond it)
 void evaluate(const SolutionSpace& space, std::int64_t a, std::span<const double> parameters, Shapes what,
               SpanShapes& shapes);
+
+/// Quadrature points of the a-th active span as matrices see them: the model's, and Gauss points of the fictitious
+/// material where the span has a share of it. Views into the model or into `storage`.
+struct SpanPoints {
+  std::span<const double> parameters; ///< (n × 3), row-major
+  std::span<const double> weights;    ///< (n), length³
+};
+struct SpanPointStorage {
+  std::vector<double> parameters, weights;
+};
+SpanPoints span_points(const SolutionSpace& space, std::int64_t a, SpanPointStorage& storage);
 
 /// The points of the a-th active span: its rows of model().points.parameters and .weights; and those on its surface.
 std::span<const double> span_parameters(const TrimmedModel& model, std::int64_t a);

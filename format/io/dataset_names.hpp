@@ -80,9 +80,9 @@ constexpr DatasetText surface_triangle{"/surface/quadrature/triangle", "1", "(po
                                        "number of the triangle that each point lies on"};
 
 constexpr DatasetText timing_stages{"/provenance/timing_stages", "1", "in the order they ran",
-                                    "stages of the preprocessing"};
+                                    "stages of the program's work"};
 constexpr DatasetText timing_seconds{"/provenance/timing_seconds", "s", "(stage)", "wall-clock time of each stage"};
 constexpr DatasetText findings{"/provenance/findings", "1", "in the order they were made",
-                               "what was found wrong with the surface and what was done"};
+                               "what was found wrong and what was done about it"};
 
 } // namespace iga::io::names

@@ -1,10 +1,11 @@
 #include "format/io/control_points.hpp"
 #include "format/io/dataset_names.hpp"
+#include "format/io/h5_arrays.hpp"
+#include "format/io/provenance_io.hpp"
 #include "format/io/trimmed_model_io.hpp"
 
 #include "format/model/errors.hpp"
 
-#include <charconv>
 #include <cmath>
 #include <fmt/format.h>
 #include <new>
@@ -17,33 +18,6 @@ namespace {
 constexpr double place_tolerance = 1e-9; // in spans
 // Beyond this number of spans their linear numbers and the sums over them would no longer be safe.
 constexpr std::int64_t most_spans = std::int64_t{1} << 40;
-
-std::int64_t rows_of(const H5Reader& file, const DatasetText& text, std::size_t rank = 1) {
-  return file.shape(text.path, rank)[0];
-}
-
-template <class T>
-std::vector<T> read(const H5Reader& file, const DatasetText& text, std::int64_t rows, std::int64_t columns = 1) {
-  return file.dataset<T>(text.path, columns == 1 ? Shape{rows} : Shape{rows, columns});
-}
-
-template <class Row, class T> std::vector<Row> in_rows(const std::vector<T>& values) {
-  std::vector<Row> rows(values.size() / 3);
-  for (std::size_t i = 0; i < values.size(); ++i) rows[i / 3][i % 3] = values[i];
-  return rows;
-}
-
-void check_format(const H5Reader& file) {
-  const std::string format = file.text(names::root, "format");
-  if (format != names::format)
-    file.refuse("/ attribute format", fmt::format("is '{}', expected '{}'", format, names::format));
-  const std::string version = file.text(names::root, "format_version");
-  int major = -1;
-  const auto end = std::from_chars(version.data(), version.data() + version.size(), major);
-  if (end.ec != std::errc() || major != names::format_major || (*end.ptr != '.' && *end.ptr != '\0'))
-    file.refuse("/ attribute format_version", fmt::format("is '{}', this program reads {}.x (it writes {})", version,
-                                                          names::format_major, names::format_version));
-}
 
 SplineGrid read_grid(const H5Reader& file) {
   const auto degree = file.numbers<std::int32_t>(names::patch, "degree", {3});
@@ -167,40 +141,8 @@ EmbeddedSurface read_surface(const H5Reader& file, std::int64_t num_active) {
   return s;
 }
 
-// Provenance is for people and for reuse: a foreign producer may leave out any part of it.
-Provenance read_provenance(const H5Reader& file) {
-  Provenance p;
-  p.producer.clear();
-  const char* group = names::provenance;
-  if (!file.has(group)) return p;
-  const auto text = [&](const char* name) {
-    return file.has_attribute(group, name) ? file.text(group, name) : std::string();
-  };
-  const auto texts = [&](const char* name) {
-    return file.has_attribute(group, name) ? file.texts(group, name) : std::vector<std::string>();
-  };
-  p.producer = text("producer");
-  p.version = text("version");
-  p.command_line = text("command_line");
-  p.created = text("created");
-  p.settings_sha256 = text("settings_sha256");
-  const auto input_names = texts("input_names"), hashes = texts("input_sha256");
-  if (input_names.size() != hashes.size())
-    file.refuse(
-        "/provenance attribute input_sha256",
-        fmt::format("holds {} strings, expected as many as input_names: {}", hashes.size(), input_names.size()));
-  for (std::size_t i = 0; i < hashes.size(); ++i) p.inputs.push_back({input_names[i], hashes[i]});
-  if (file.has(names::timing_stages.path)) {
-    const auto stages = file.strings(names::timing_stages.path);
-    const auto seconds = read<double>(file, names::timing_seconds, static_cast<std::int64_t>(stages.size()));
-    for (std::size_t i = 0; i < stages.size(); ++i) p.timings.emplace_back(stages[i], seconds[i]);
-  }
-  if (file.has(names::findings.path)) p.findings = file.strings(names::findings.path);
-  return p;
-}
-
 TrimmedModel load(const H5Reader& file) {
-  check_format(file);
+  expect_format(file, names::format, names::format_major, names::format_version);
   TrimmedModel m;
   m.length_unit = file.text(names::root, "length_unit");
   m.title = file.text(names::root, "title");
@@ -244,7 +186,7 @@ TrimmedModel read_model(const std::filesystem::path& path) {
 
 Provenance read_provenance(const std::filesystem::path& path) {
   const H5Reader file(path);
-  check_format(file);
+  expect_format(file, names::format, names::format_major, names::format_version);
   return read_provenance(file);
 }
 

@@ -1,29 +1,12 @@
 #include "format/io/control_points.hpp"
 #include "format/io/dataset_names.hpp"
+#include "format/io/h5_arrays.hpp"
+#include "format/io/provenance_io.hpp"
 #include "format/io/trimmed_model_io.hpp"
 
 namespace iga::io {
 
 namespace {
-
-template <class T> std::span<const T> view(const std::vector<T>& values) {
-  return values;
-}
-
-// (n) and (n × m) arrays of numbers; the number of rows follows from the array itself.
-template <class T>
-void write(H5Writer& file, const DatasetText& text, const std::vector<T>& values, std::int64_t columns = 1) {
-  const std::int64_t rows = static_cast<std::int64_t>(values.size()) / columns;
-  file.dataset(text, columns == 1 ? Shape{rows} : Shape{rows, columns}, view(values));
-}
-
-std::span<const double> flat(const std::vector<Point3>& points) {
-  return {points.empty() ? nullptr : points.front().data(), 3 * points.size()};
-}
-
-std::span<const std::int32_t> flat(const std::vector<Triangle>& triangles) {
-  return {triangles.empty() ? nullptr : triangles.front().data(), 3 * triangles.size()};
-}
 
 void write_patch(H5Writer& file, const SplineGrid& grid) {
   file.group(names::patch, "the B-spline grid: x(u) = sum N_i(u) P_i = C + R (u - C), C = (A + B) / 2");
@@ -98,31 +81,6 @@ void write_surface(H5Writer& file, const EmbeddedSurface& s) {
   write(file, names::surface_weights, s.quadrature.weights);
   write(file, names::surface_normals, s.quadrature.normals, 3);
   write(file, names::surface_triangle, s.quadrature.triangle);
-}
-
-void write_provenance(H5Writer& file, const Provenance& p) {
-  const char* group = names::provenance;
-  std::vector<std::string> input_names, hashes, stages;
-  std::vector<double> seconds;
-  for (const InputFile& input : p.inputs) {
-    input_names.push_back(input.name);
-    hashes.push_back(input.sha256);
-  }
-  for (const auto& [stage, time] : p.timings) {
-    stages.push_back(stage);
-    seconds.push_back(time);
-  }
-  file.group(group, "who made this file from what");
-  file.attribute(group, "producer", p.producer);
-  file.attribute(group, "version", p.version);
-  file.attribute(group, "command_line", p.command_line);
-  file.attribute(group, "created", p.created);
-  file.attribute(group, "settings_sha256", p.settings_sha256);
-  file.attribute(group, "input_names", input_names);
-  file.attribute(group, "input_sha256", hashes);
-  file.strings(names::timing_stages, stages);
-  write(file, names::timing_seconds, seconds);
-  file.strings(names::findings, p.findings);
 }
 
 } // namespace

@@ -2,180 +2,46 @@
 """Holds the writer, the C++ reader and the Python reader against schema/model.toml, and the Python reader against what is
 known of a box in closed form.  usage: schema_test.py SOURCE_DIR WRITE_SYNTHETIC_MODEL IGASOLVE"""
 import json
-import shutil
 import subprocess
 import sys
 import tempfile
-import tomllib
 import unittest
 from pathlib import Path
 
-import h5py
 import numpy as np
 
 SOURCE, WRITER, IGASOLVE = (Path(argument) for argument in sys.argv[1:4])
 sys.path.insert(0, str(SOURCE / "scripts"))
 import iga_model  # noqa: E402
+from schema_cases import SchemaCases  # noqa: E402
 
-SCHEMA = tomllib.loads((SOURCE / "schema" / "model.toml").read_text())
-WRONG_TYPE = {"f64": np.float32, "i64": np.int32, "i32": np.int64, "enum": np.uint8, "string": np.float64}
-
-
-def check(path):
-    """Exit code and words of igasolve check."""
-    done = subprocess.run([IGASOLVE, "check", path], capture_output=True, text=True)
-    return done.returncode, done.stdout + done.stderr
+README = (SOURCE / "schema" / "README.md").read_text()
 
 
-class SchemaTest(unittest.TestCase):
+class SchemaTest(SchemaCases, unittest.TestCase):
+    schema = iga_model.SCHEMA
+    readme = README
+    together = ("/provenance/timing_seconds",)  # belongs to timing_stages
+    lists = ("/surface/regions", "/provenance/timing_stages", "/provenance/findings")
+
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
         cls.path = Path(cls.folder.name)
-        for kind in ("box", "rotated"):
-            subprocess.run([WRITER, kind, cls.path / f"{kind}.h5"], check=True, capture_output=True)
+        cls.files = [cls.path / f"{kind}.h5" for kind in ("box", "rotated")]
+        for file in cls.files:
+            subprocess.run([WRITER, file.stem, file], check=True, capture_output=True)
 
     @classmethod
     def tearDownClass(cls):
         cls.folder.cleanup()
 
-    def changed(self, change):
-        """A copy of the box model after change(file)."""
-        copy = self.path / "changed.h5"
-        shutil.copyfile(self.path / "box.h5", copy)
-        with h5py.File(copy, "r+") as file:
-            change(file)
-        return copy
+    def check(self, path):
+        done = subprocess.run([IGASOLVE, "check", path], capture_output=True, text=True)
+        return done.returncode, done.stdout + done.stderr
 
-    def expect_refused(self, change, *words):
-        copy = self.changed(change)
-        code, text = check(copy)
-        self.assertEqual(code, 3, text)
-        self.assertNotIn("HDF5-DIAG", text)
-        for word in words:
-            self.assertIn(word, text)
-        with self.assertRaises(iga_model.FormatError) as caught:
-            iga_model.read(copy)
-        for word in words:
-            self.assertIn(word, str(caught.exception))
-
-    def expect_accepted(self, change):
-        copy = self.changed(change)
-        code, text = check(copy)
-        self.assertEqual(code, 0, text)
-        iga_model.read(copy)
-
-    def test_writer_keeps_the_schema(self):
-        for kind in ("box", "rotated"):
-            with h5py.File(self.path / f"{kind}.h5") as file:
-                iga_model.validate(file)
-                iga_model.validate_storage(file)
-                for entry in SCHEMA["dataset"] + SCHEMA["group"]:
-                    self.assertIn(entry["path"], file)
-                for entry in SCHEMA["attribute"]:
-                    self.assertIn(entry["name"], file[entry["object"]].attrs)
-            self.assertEqual(check(self.path / f"{kind}.h5")[0], 0)
-
-    def test_the_readme_names_everything(self):
-        text = (SOURCE / "schema" / "README.md").read_text()
-        for entry in SCHEMA["dataset"]:
-            name, shape = entry["path"].rsplit("/", 1)[1], ", ".join(entry["shape"])
-            self.assertIn(f"| `{name}` | {entry['dtype']} | {shape} | {entry['unit']} |", text)
-        for entry in SCHEMA["attribute"]:
-            self.assertIn(f"`{entry['name']}`", text)
-
-    def test_a_missing_group_is_refused(self):
-        for entry in SCHEMA["group"]:
-            with self.subTest(entry["path"]):
-                def change(file):
-                    del file[entry["path"]]
-                self.expect_refused(change, entry["path"]) if entry["required"] else self.expect_accepted(change)
-
-    def test_a_missing_dataset_is_refused(self):
-        for entry in SCHEMA["dataset"]:
-            if entry["path"] == "/provenance/timing_seconds":
-                continue  # belongs to timing_stages
-            with self.subTest(entry["path"]):
-                def change(file):
-                    del file[entry["path"]]
-                self.expect_refused(change, entry["path"]) if entry["required"] else self.expect_accepted(change)
-
-    def test_a_dataset_of_another_rank_is_refused(self):
-        for entry in SCHEMA["dataset"]:
-            with self.subTest(entry["path"]):
-                def change(file):
-                    data, dtype = file[entry["path"]][()], file[entry["path"]].dtype
-                    del file[entry["path"]]
-                    file.create_dataset(entry["path"], data=data[..., None], dtype=dtype)
-                self.expect_refused(change, entry["path"], "shape")
-
-    def test_a_longer_dataset_is_refused(self):
-        for entry in SCHEMA["dataset"]:
-            if entry["path"] in ("/surface/regions", "/provenance/timing_stages", "/provenance/findings"):
-                continue  # lists of names may be longer than what uses them
-            with self.subTest(entry["path"]):
-                def change(file):
-                    data, dtype = file[entry["path"]][()], file[entry["path"]].dtype
-                    del file[entry["path"]]
-                    file.create_dataset(entry["path"], data=np.concatenate([data, data[-1:]]), dtype=dtype)
-                copy = self.changed(change)
-                code, text = check(copy)
-                self.assertEqual(code, 3, text)
-
-    def test_another_type_is_refused(self):
-        for entry in SCHEMA["dataset"]:
-            with self.subTest(entry["path"]):
-                def change(file):
-                    shape = file[entry["path"]].shape
-                    del file[entry["path"]]
-                    file.create_dataset(entry["path"], data=np.ones(shape, WRONG_TYPE[entry["dtype"]]))
-                self.expect_refused(change, entry["path"], "expected")
-
-    def test_a_missing_attribute_is_refused(self):
-        for entry in SCHEMA["attribute"]:
-            if entry["name"].startswith("input_"):
-                continue  # the two belong together
-            with self.subTest(entry["object"] + " " + entry["name"]):
-                def change(file):
-                    del file[entry["object"]].attrs[entry["name"]]
-                if entry["required"]:
-                    self.expect_refused(change, entry["name"])
-                else:
-                    self.expect_accepted(change)
-
-    def test_an_attribute_of_another_kind_is_refused(self):
-        for entry in SCHEMA["attribute"]:
-            with self.subTest(entry["object"] + " " + entry["name"]):
-                def change(file):
-                    attributes = file[entry["object"]].attrs
-                    shape = attributes.get_id(entry["name"]).shape
-                    del attributes[entry["name"]]
-                    if entry["dtype"] == "string":
-                        attributes.create(entry["name"], np.ones(shape))
-                    else:
-                        attributes.create(entry["name"], np.full(shape, b"text"))
-                self.expect_refused(change, entry["name"])
-
-    def test_an_attribute_of_another_shape_is_refused(self):
-        for entry in SCHEMA["attribute"]:
-            with self.subTest(entry["object"] + " " + entry["name"]):
-                def change(file):
-                    attributes = file[entry["object"]].attrs
-                    data = np.asarray(attributes[entry["name"]])
-                    del attributes[entry["name"]]
-                    attributes.create(entry["name"], np.repeat(data.reshape(1, -1), 2, axis=0))
-                copy = self.changed(change)
-                code, text = check(copy)
-                self.assertEqual(code, 3, text)
-
-    def test_versions(self):
-        def version(text):
-            def change(file):
-                file.attrs["format_version"] = text
-            return change
-        self.expect_accepted(version("1.7"))
-        for text in ("2.0", "", "10.0"):
-            self.expect_refused(version(text), "version")
+    def read(self, path):
+        return iga_model.read(path)
 
     def test_what_users_add_is_ignored(self):
         def change(file):
@@ -188,7 +54,7 @@ class SchemaTest(unittest.TestCase):
         def change(file):
             del file["/quadrature/weights"]
             file.create_dataset("/quadrature/weights", shape=(2**40,), dtype="f8", chunks=(4096,))
-        code, text = check(self.changed(change))
+        code, text = self.check(self.changed(change))
         self.assertEqual(code, 3, text)
 
     def test_a_damaged_model_names_its_problem(self):
@@ -203,7 +69,7 @@ class SchemaTest(unittest.TestCase):
                  ("/spans/volume_fraction", 3, np.nan, "volume_fraction")]
         for path, index, value, word in cases:
             with self.subTest(path):
-                code, text = check(self.changed(set_value(path, index, value)))
+                code, text = self.check(self.changed(set_value(path, index, value)))
                 self.assertEqual(code, 3, text)
                 self.assertIn(word, text)
 

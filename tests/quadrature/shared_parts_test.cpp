@@ -100,7 +100,8 @@ TEST_P(SharedPart, EverySpanIsFittedWithPointsInside) {
         const Point3 x =
             grid.to_position({points.parameters[3 * g], points.parameters[3 * g + 1], points.parameters[3 * g + 2]});
         const Kernel::Point_3 p(x[0], x[1], x[2]);
-        if (side(p) == CGAL::ON_UNBOUNDED_SIDE && std::sqrt(tree.squared_distance(p)) > 1e-9 * diagonal(mesh)) ++outside;
+        if (side(p) == CGAL::ON_UNBOUNDED_SIDE && std::sqrt(tree.squared_distance(p)) > 1e-9 * diagonal(mesh))
+          ++outside;
       }
     }
   });

@@ -1,6 +1,7 @@
 #include "solver/solution_space.hpp"
 
 #include "format/model/bspline_basis.hpp"
+#include "solver/assemble.hpp"
 #include "tests/support/synthetic_model.hpp"
 
 #include <gtest/gtest.h>
@@ -128,4 +129,14 @@ TEST(SolutionSpace, ThinPartLowersItsThresholdAndSaysSo) {
   ASSERT_EQ(space.warnings().size(), 1u);
   EXPECT_NE(space.warnings()[0].find("too thin"), std::string::npos);
   EXPECT_GT(space.num_nodes(), 0);
+}
+
+TEST(SolutionSpace, SpeckInTheCornerOfASpanIsFilledWithFictitiousMaterial) {
+  // every function sees less than 1e-9 of its volume
+  const TrimmedModel model = test::make_box_model(
+      {{0, 0, 0}, {7, 7, 7}, {7, 7, 7}, {2, 2, 2}, identity_rotation, {3.4, 3.4, 3.4}, {3.4005, 3.4005, 3.4005}});
+  const SolutionSpace space(model, {LightFunctions::Linear, 0.05});
+  ASSERT_EQ(space.warnings().size(), 1u);
+  EXPECT_NE(space.warnings()[0].find("fictitious"), std::string::npos);
+  EXPECT_NEAR(lumped_mass(space, 2).sum(), 2 * (1.25e-10 + 1e-3), 1e-14); // a thousandth of the one span
 }

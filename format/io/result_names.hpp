@@ -1,0 +1,117 @@
+// Every group and dataset name of the results file, once. schema/results.toml says the same for machines; the tests
+// hold the two together. What results share with the model (/provenance, the root's attributes) is in
+// dataset_names.hpp.
+#pragma once
+
+#include "format/io/h5_file.hpp"
+
+#include <array>
+
+namespace iga::io::result_names {
+
+constexpr const char* format = "iga-trimmed-solid-results";
+constexpr const char* format_version = "1.0";
+constexpr int format_major = 1;
+
+constexpr std::array<EnumName, 3> kinds{{{"RIGID", 0}, {"ELASTIC", 1}, {"MECHANISM", 2}}};
+
+constexpr const char* model = "/model";
+constexpr const char* material = "/material";
+constexpr const char* functions = "/functions";
+constexpr const char* eigen = "/eigen";
+constexpr const char* statics = "/static";
+constexpr const char* points = "/static/points";
+constexpr const char* probes = "/static/probes";
+constexpr const char* supports = "/static/supports";
+constexpr const char* loads = "/static/loads";
+constexpr const char* time_series = "/time_series";
+constexpr const char* energy = "/time_series/energy";
+constexpr const char* contact = "/time_series/contact";
+constexpr const char* surface = "/surface";
+
+constexpr DatasetText active_functions{"/functions/active", "1",
+                                       "ascending; number = i + n_u (j + n_v k) of function (i, j, k)",
+                                       "linear numbers of the functions whose support holds material, as in the model"};
+
+constexpr DatasetText frequencies{"/frequencies", "1/time", "(mode), ascending",
+                                  "natural frequencies in cycles per time; 0 for rigid modes"};
+constexpr DatasetText modes{"/modes", "1", "(mode; active function; x y z)",
+                            "coefficients c_i of the modes u(x) = sum N_i(x) c_i, scaled to phi^T M phi = 1"};
+constexpr DatasetText omega_squared{"/eigen/omega_squared", "1/time^2", "(mode), ascending",
+                                    "eigenvalues as computed; those of rigid modes may lie slightly below 0"};
+constexpr DatasetText residuals{"/eigen/residual", "1", "(mode)", "relative residual of each eigenpair"};
+constexpr DatasetText kind{"/eigen/kind", "1", "(mode)", "what each mode is"};
+
+constexpr const char* strain_order = "(point; xx yy zz xy yz zx)";
+constexpr DatasetText displacement{"/static/displacement", "length", "(active function; x y z)",
+                                   "coefficients c_i of the displacement u(x) = sum N_i(x) c_i"};
+constexpr DatasetText point_positions{"/static/points/position", "length",
+                                      "(point; x y z), as /quadrature of the model",
+                                      "quadrature points of the model in space"};
+constexpr DatasetText probe_names{"/static/probes/name", "1", "(probe)", "names of the points that were asked for"};
+constexpr DatasetText probe_positions{"/static/probes/position", "length", "(probe; x y z)", "where the probes lie"};
+
+constexpr DatasetText support_names{"/static/supports/name", "1", "(support)", "names of the supports"};
+constexpr DatasetText support_methods{"/static/supports/method", "1", "(support)",
+                                      "how each is held: nitsche, penalty or lagrange"};
+constexpr DatasetText support_areas{"/static/supports/area", "length^2", "(support)", "area of the region"};
+constexpr DatasetText support_centroids{"/static/supports/centroid", "length", "(support; x y z)",
+                                        "centroid of the region"};
+constexpr DatasetText support_forces{"/static/supports/force", "force", "(support; x y z)",
+                                     "reaction: force of the support on the part"};
+constexpr DatasetText support_moments{"/static/supports/moment", "force*length", "(support; x y z)",
+                                      "its moment about the region's centroid"};
+
+constexpr DatasetText load_names{"/static/loads/name", "1", "(load)", "names of the loads"};
+constexpr DatasetText load_kinds{"/static/loads/kind", "1", "(load)",
+                                 "what each is: body force, traction, pressure or point"};
+constexpr DatasetText load_areas{"/static/loads/area", "length^2", "(load)",
+                                 "area that it acts on; 0 for body forces and point loads"};
+constexpr DatasetText load_centroids{"/static/loads/centroid", "length", "(load; x y z)",
+                                     "centroid of what it acts on"};
+constexpr DatasetText load_forces{"/static/loads/force", "force", "(load; x y z)", "resultant force on the part"};
+constexpr DatasetText load_moments{"/static/loads/moment", "force*length", "(load; x y z)",
+                                   "its moment about that centroid"};
+
+constexpr DatasetText time{"/time_series/time", "time", "ascending", "times of the series"};
+constexpr const char* energy_order = "(time)"; ///< /time_series/energy/<name>, force*length
+constexpr DatasetText contact_names{"/time_series/contact_names", "1", "(contact)",
+                                    "names of the contacts, each a group of /time_series/contact"};
+
+constexpr DatasetText vertices{"/surface/vertices", "length", "(vertex; x y z)",
+                               "vertices of the undeformed surface, subdivided to show the fields"};
+constexpr DatasetText vertex_parameters{"/surface/vertex_parameters", "parameter", "(vertex; u v w)",
+                                        "the vertices in knot space, inside the closed span that owns each"};
+constexpr DatasetText vertex_span{"/surface/vertex_span", "1", "(vertex)",
+                                  "linear number of the active span that owns each vertex"};
+constexpr DatasetText triangles{"/surface/triangles", "1",
+                                "(triangle; vertex numbers, anticlockwise seen from outside)",
+                                "triangles of the surface"};
+constexpr DatasetText region{"/surface/region", "1", "(triangle)",
+                             "number of the region that each triangle belongs to"};
+constexpr DatasetText regions{"/surface/regions", "1", "(region)", "names of the regions"};
+constexpr DatasetText steps{"/surface/steps", "1", "ascending",
+                            "what each step of the fields stands for: mode number from 1, load step from 1, or time"};
+
+/// Fields of a group: displacement, strain, stress and von Mises stress under <group>/<name>, for points or for steps
+/// and points.
+struct FieldText {
+  DatasetText displacement, strain, stress, von_mises;
+};
+constexpr FieldText point_fields{
+    {"/static/points/displacement", "length", "(point; x y z)", "displacement"},
+    {"/static/points/strain", "1", "(point; xx yy zz xy yz zx)", "strain; shear strains are engineering strains"},
+    {"/static/points/stress", "force/length^2", "(point; xx yy zz xy yz zx)", "stress in the part's frame"},
+    {"/static/points/von_mises", "force/length^2", "(point)", "von Mises stress"}};
+constexpr FieldText probe_fields{
+    {"/static/probes/displacement", "length", "(probe; x y z)", "displacement"},
+    {"/static/probes/strain", "1", "(probe; xx yy zz xy yz zx)", "strain; shear strains are engineering strains"},
+    {"/static/probes/stress", "force/length^2", "(probe; xx yy zz xy yz zx)", "stress in the part's frame"},
+    {"/static/probes/von_mises", "force/length^2", "(probe)", "von Mises stress"}};
+constexpr FieldText surface_fields{
+    {"/surface/displacement", "length", "(step; vertex; x y z)", "displacement; of modes as scaled in /modes"},
+    {"/surface/strain", "1", "(step; vertex; xx yy zz xy yz zx)", "strain; shear strains are engineering strains"},
+    {"/surface/stress", "force/length^2", "(step; vertex; xx yy zz xy yz zx)", "stress in the part's frame"},
+    {"/surface/von_mises", "force/length^2", "(step; vertex)", "von Mises stress"}};
+
+} // namespace iga::io::result_names

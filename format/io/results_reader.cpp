@@ -1,0 +1,226 @@
+#include "format/io/dataset_names.hpp"
+#include "format/io/h5_arrays.hpp"
+#include "format/io/provenance_io.hpp"
+#include "format/io/result_names.hpp"
+#include "format/io/results_io.hpp"
+
+#include "format/model/errors.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <new>
+
+namespace iga::io {
+
+namespace {
+
+namespace result = result_names;
+
+// Numbers of a results file are finite without exception.
+std::vector<double> finite(const H5Reader& file, const DatasetText& text, const Shape& shape) {
+  auto values = file.dataset<double>(text.path, shape);
+  const auto bad = std::find_if(values.begin(), values.end(), [](double x) { return !std::isfinite(x); });
+  if (bad != values.end())
+    file.refuse(text.path, fmt::format("value {} is {}, expected a finite number", bad - values.begin(), *bad));
+  return values;
+}
+
+void expect_ascending(const H5Reader& file, const DatasetText& text, const auto& values) {
+  const auto fall = std::adjacent_find(values.begin(), values.end(), [](auto a, auto b) { return !(a <= b); });
+  if (fall != values.end())
+    file.refuse(text.path, fmt::format("value {} is {}, expected at least the one before, {}",
+                                       fall - values.begin() + 1, *(fall + 1), *fall));
+}
+
+template <class T>
+void expect_range(const H5Reader& file, const DatasetText& text, const std::vector<T>& values, std::int64_t end) {
+  const auto bad =
+      std::find_if(values.begin(), values.end(), [end](T x) { return x < 0 || static_cast<std::int64_t>(x) >= end; });
+  if (bad != values.end())
+    file.refuse(text.path, fmt::format("value {} is {}, expected 0 ... {}", bad - values.begin(), *bad, end - 1));
+}
+
+ResultsHeader read_header(const H5Reader& file) {
+  ResultsHeader h;
+  h.analysis = file.text(names::root, "analysis");
+  h.length_unit = file.text(names::root, "length_unit");
+  h.title = file.text(names::root, "title");
+  h.model_file = file.text(result::model, "file");
+  h.model_sha256 = file.text(result::model, "sha256");
+  const auto C = file.numbers<double>(result::material, "C", {6, 6});
+  std::copy(C.begin(), C.end(), h.stiffness.begin());
+  h.density = file.number<double>(result::material, "density");
+  h.light_functions = file.text(result::functions, "light_functions");
+  h.light_threshold = file.number<double>(result::functions, "light_threshold");
+  h.unknowns = file.number<std::int64_t>(result::functions, "unknowns");
+  h.provenance = read_provenance(file);
+  return h;
+}
+
+std::vector<double> read_field(const H5Reader& file, const DatasetText& text, std::int64_t points,
+                               std::int64_t components, std::optional<std::int64_t> steps) {
+  if (!file.has(text.path)) return {};
+  Shape shape;
+  if (steps) shape.push_back(*steps);
+  shape.push_back(points);
+  if (components > 1) shape.push_back(components);
+  return finite(file, text, shape);
+}
+
+FieldSamples read_fields(const H5Reader& file, const result::FieldText& text, std::int64_t points,
+                         std::optional<std::int64_t> steps = {}) {
+  return {read_field(file, text.displacement, points, 3, steps), read_field(file, text.strain, points, 6, steps),
+          read_field(file, text.stress, points, 6, steps), read_field(file, text.von_mises, points, 1, steps)};
+}
+
+EigenResult read_eigen(const H5Reader& file, std::int64_t num_functions) {
+  EigenResult e;
+  e.mass = file.text(result::eigen, "mass");
+  e.complete_below = file.number<double>(result::eigen, "complete_below");
+  const std::int64_t n = rows_of(file, result::frequencies);
+  e.frequencies = finite(file, result::frequencies, {n});
+  expect_ascending(file, result::frequencies, e.frequencies);
+  e.omega_squared = finite(file, result::omega_squared, {n});
+  e.residuals = finite(file, result::residuals, {n});
+  e.kind = file.enums(result::kind.path, {n}, result::kinds);
+  expect_range(file, result::kind, e.kind, static_cast<std::int64_t>(result::kinds.size()));
+  e.modes = finite(file, result::modes, {n, num_functions, 3});
+  return e;
+}
+
+std::vector<std::string> read_texts(const H5Reader& file, const DatasetText& text, std::size_t expected) {
+  auto values = file.strings(text.path);
+  if (values.size() != expected)
+    file.refuse(text.path, fmt::format("has shape ({}), expected ({})", values.size(), expected));
+  return values;
+}
+
+template <class Row>
+void read_vectors(const H5Reader& file, const DatasetText& text, std::vector<Row>& rows, Point3 Row::*member) {
+  const auto values = in_rows<Point3>(finite(file, text, {static_cast<std::int64_t>(rows.size()), 3}));
+  for (std::size_t i = 0; i < rows.size(); ++i) rows[i].*member = values[i];
+}
+
+template <class Row>
+void read_column(const H5Reader& file, const DatasetText& text, std::vector<Row>& rows, std::string Row::*member) {
+  const auto values = read_texts(file, text, rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) rows[i].*member = values[i];
+}
+
+template <class Row>
+void read_column(const H5Reader& file, const DatasetText& text, std::vector<Row>& rows, double Row::*member) {
+  const auto values = finite(file, text, {static_cast<std::int64_t>(rows.size())});
+  for (std::size_t i = 0; i < rows.size(); ++i) rows[i].*member = values[i];
+}
+
+std::vector<SupportResult> read_supports(const H5Reader& file) {
+  std::vector<SupportResult> rows(file.strings(result::support_names.path).size());
+  read_column(file, result::support_names, rows, &SupportResult::name);
+  read_column(file, result::support_methods, rows, &SupportResult::method);
+  read_column(file, result::support_areas, rows, &SupportResult::area);
+  read_vectors(file, result::support_centroids, rows, &SupportResult::centroid);
+  read_vectors(file, result::support_forces, rows, &SupportResult::force);
+  read_vectors(file, result::support_moments, rows, &SupportResult::moment);
+  return rows;
+}
+
+std::vector<LoadResult> read_loads(const H5Reader& file) {
+  std::vector<LoadResult> rows(file.strings(result::load_names.path).size());
+  read_column(file, result::load_names, rows, &LoadResult::name);
+  read_column(file, result::load_kinds, rows, &LoadResult::kind);
+  read_column(file, result::load_areas, rows, &LoadResult::area);
+  read_vectors(file, result::load_centroids, rows, &LoadResult::centroid);
+  read_vectors(file, result::load_forces, rows, &LoadResult::force);
+  read_vectors(file, result::load_moments, rows, &LoadResult::moment);
+  return rows;
+}
+
+StaticResult read_static(const H5Reader& file, std::int64_t num_functions) {
+  StaticResult s;
+  s.strain_energy = file.number<double>(result::statics, "strain_energy");
+  s.external_work = file.number<double>(result::statics, "external_work");
+  s.displacement = finite(file, result::displacement, {num_functions, 3});
+  const std::int64_t num_points = rows_of(file, result::point_positions, 2);
+  s.positions = finite(file, result::point_positions, {num_points, 3});
+  s.points = read_fields(file, result::point_fields, num_points);
+  s.probes.names = file.strings(result::probe_names.path);
+  const auto num_probes = static_cast<std::int64_t>(s.probes.names.size());
+  s.probes.positions = finite(file, result::probe_positions, {num_probes, 3});
+  s.probes.fields = read_fields(file, result::probe_fields, num_probes);
+  s.supports = read_supports(file);
+  s.loads = read_loads(file);
+  return s;
+}
+
+TimeSeries read_time_series(const H5Reader& file) {
+  TimeSeries t;
+  const std::int64_t n = rows_of(file, result::time);
+  t.time = finite(file, result::time, {n});
+  expect_ascending(file, result::time, t.time);
+  for (const char* group : {result::energy, result::contact})
+    if (!file.has(group)) file.refuse(group, "is missing; expected a group");
+  for (std::size_t i = 0; i < t.energy.size(); ++i) {
+    const std::string path = fmt::format("{}/{}", result::energy, TimeSeries::energy_names[i]);
+    if (file.has(path)) t.energy[i] = finite(file, {path.c_str(), "", "", ""}, {n});
+  }
+  for (const std::string& name : file.strings(result::contact_names.path)) {
+    const std::string path = fmt::format("{}/{}/force", result::contact, name);
+    t.contacts.push_back({name, finite(file, {path.c_str(), "", "", ""}, {n, 3})});
+  }
+  return t;
+}
+
+SurfaceResult read_surface(const H5Reader& file) {
+  SurfaceResult s;
+  OutputMesh& o = s.output;
+  const std::int64_t num_vertices = rows_of(file, result::vertices, 2),
+                     num_triangles = rows_of(file, result::triangles, 2);
+  o.mesh.vertices = in_rows<Point3>(finite(file, result::vertices, {num_vertices, 3}));
+  o.parameters = finite(file, result::vertex_parameters, {num_vertices, 3});
+  o.span = read<std::int64_t>(file, result::vertex_span, num_vertices);
+  const auto corners = read<std::int32_t>(file, result::triangles, num_triangles, 3);
+  expect_range(file, result::triangles, corners, num_vertices);
+  o.mesh.triangles = in_rows<Triangle>(corners);
+  o.mesh.region = read<std::int32_t>(file, result::region, num_triangles);
+  o.mesh.region_names = file.strings(result::regions.path);
+  expect_range(file, result::region, o.mesh.region, static_cast<std::int64_t>(o.mesh.region_names.size()));
+  s.steps = finite(file, result::steps, {rows_of(file, result::steps)});
+  expect_ascending(file, result::steps, s.steps);
+  s.fields = read_fields(file, result::surface_fields, num_vertices, s.num_steps());
+  return s;
+}
+
+Results load(const H5Reader& file) {
+  expect_format(file, result::format, result::format_major, result::format_version);
+  Results r;
+  r.header = read_header(file);
+  const std::int64_t num_functions = rows_of(file, result::active_functions);
+  r.active_functions = read<std::int64_t>(file, result::active_functions, num_functions);
+  expect_ascending(file, result::active_functions, r.active_functions);
+  const auto& analysis = r.header.analysis;
+  const std::array<std::pair<const char*, const char*>, 3> parts{
+      {{"eigen", result::eigen}, {"static", result::statics}, {"explicit", result::time_series}}};
+  const auto part = std::find_if(parts.begin(), parts.end(), [&](const auto& p) { return analysis == p.first; });
+  if (part == parts.end())
+    file.refuse("/ attribute analysis", fmt::format("is '{}', expected eigen, static or explicit", analysis));
+  if (!file.has(part->second)) file.refuse(part->second, "is missing; expected a group");
+  if (file.has(result::eigen)) r.eigen = read_eigen(file, num_functions);
+  if (file.has(result::statics)) r.statics = read_static(file, num_functions);
+  if (file.has(result::time_series)) r.time_series = read_time_series(file);
+  if (file.has(result::surface)) r.surface = read_surface(file);
+  return r;
+}
+
+} // namespace
+
+Results read_results(const std::filesystem::path& path) {
+  const H5Reader file(path);
+  try {
+    return load(file);
+  } catch (const std::bad_alloc&) {
+    throw FormatError(fmt::format("{}: holds more data than fits into this machine's memory", path.string()));
+  }
+}
+
+} // namespace iga::io

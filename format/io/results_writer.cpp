@@ -1,0 +1,171 @@
+#include "format/io/dataset_names.hpp"
+#include "format/io/h5_arrays.hpp"
+#include "format/io/provenance_io.hpp"
+#include "format/io/result_names.hpp"
+#include "format/io/results_io.hpp"
+
+#include "format/model/errors.hpp"
+
+#include <fmt/format.h>
+
+namespace iga::io {
+
+namespace {
+
+namespace result = result_names;
+
+void write_header(H5Writer& file, const Results& r) {
+  const ResultsHeader& h = r.header;
+  file.attribute(names::root, "format", std::string(result::format));
+  file.attribute(names::root, "format_version", std::string(result::format_version));
+  file.attribute(names::root, "analysis", h.analysis);
+  file.attribute(names::root, "length_unit", h.length_unit);
+  file.attribute(names::root, "title", h.title);
+  file.group(result::model, "the interchange file that was analysed");
+  file.attribute(result::model, "file", h.model_file);
+  file.attribute(result::model, "sha256", h.model_sha256);
+  file.group(result::material, "stress = C strain in the order xx yy zz xy yz zx, engineering shear strains");
+  file.attribute<double>(result::material, "C", {6, 6}, h.stiffness);
+  file.attribute(result::material, "density", h.density);
+  file.group(result::functions, "the functions that the coefficients belong to");
+  file.attribute(result::functions, "light_functions", h.light_functions);
+  file.attribute(result::functions, "light_threshold", h.light_threshold);
+  file.attribute(result::functions, "unknowns", h.unknowns);
+  write(file, result::active_functions, r.active_functions);
+}
+
+// (points × components), or (steps × points × components) where steps are given.
+void write_field(H5Writer& file, const DatasetText& text, const std::vector<double>& values, std::int64_t points,
+                 std::int64_t components, std::optional<std::int64_t> steps) {
+  if (values.empty() && points > 0) return;
+  Shape shape;
+  if (steps) shape.push_back(*steps);
+  shape.push_back(points);
+  if (components > 1) shape.push_back(components);
+  file.dataset(text, shape, std::span<const double>(values));
+}
+
+void write_fields(H5Writer& file, const result::FieldText& text, const FieldSamples& f, std::int64_t points,
+                  std::optional<std::int64_t> steps = {}) {
+  write_field(file, text.displacement, f.displacement, points, 3, steps);
+  write_field(file, text.strain, f.strain, points, 6, steps);
+  write_field(file, text.stress, f.stress, points, 6, steps);
+  write_field(file, text.von_mises, f.von_mises, points, 1, steps);
+}
+
+void write_eigen(H5Writer& file, const EigenResult& e, std::int64_t num_functions) {
+  file.group(result::eigen, "natural modes");
+  file.attribute(result::eigen, "mass", e.mass);
+  file.attribute(result::eigen, "complete_below", e.complete_below);
+  const auto n = static_cast<std::int64_t>(e.frequencies.size());
+  write(file, result::frequencies, e.frequencies);
+  write(file, result::omega_squared, e.omega_squared);
+  write(file, result::residuals, e.residuals);
+  file.enums(result::kind, {n}, e.kind, result::kinds);
+  file.dataset(result::modes, {n, num_functions, 3}, std::span<const double>(e.modes));
+}
+
+// What the rows of a list of supports or loads have in common.
+template <class Row, class Get> auto column(const std::vector<Row>& rows, Get get) {
+  std::vector<std::decay_t<decltype(get(rows.front()))>> values;
+  for (const Row& row : rows) values.push_back(get(row));
+  return values;
+}
+
+template <class Row>
+void write_vectors(H5Writer& file, const DatasetText& text, const std::vector<Row>& rows, Point3 Row::*member) {
+  const auto values = column(rows, [member](const Row& row) { return row.*member; });
+  file.dataset(text, {static_cast<std::int64_t>(rows.size()), 3}, flat(values));
+}
+
+void write_supports(H5Writer& file, const std::vector<SupportResult>& supports) {
+  file.group(result::supports, "what holds the part");
+  file.strings(result::support_names, column(supports, [](const auto& s) { return s.name; }));
+  file.strings(result::support_methods, column(supports, [](const auto& s) { return s.method; }));
+  write(file, result::support_areas, column(supports, [](const auto& s) { return s.area; }));
+  write_vectors(file, result::support_centroids, supports, &SupportResult::centroid);
+  write_vectors(file, result::support_forces, supports, &SupportResult::force);
+  write_vectors(file, result::support_moments, supports, &SupportResult::moment);
+}
+
+void write_loads(H5Writer& file, const std::vector<LoadResult>& loads) {
+  file.group(result::loads, "what acts on the part");
+  file.strings(result::load_names, column(loads, [](const auto& l) { return l.name; }));
+  file.strings(result::load_kinds, column(loads, [](const auto& l) { return l.kind; }));
+  write(file, result::load_areas, column(loads, [](const auto& l) { return l.area; }));
+  write_vectors(file, result::load_centroids, loads, &LoadResult::centroid);
+  write_vectors(file, result::load_forces, loads, &LoadResult::force);
+  write_vectors(file, result::load_moments, loads, &LoadResult::moment);
+}
+
+void write_static(H5Writer& file, const StaticResult& s) {
+  file.group(result::statics, "static equilibrium");
+  file.attribute(result::statics, "strain_energy", s.strain_energy);
+  file.attribute(result::statics, "external_work", s.external_work);
+  write(file, result::displacement, s.displacement, 3);
+  file.group(result::points, "fields at the model's quadrature points, in their order");
+  write(file, result::point_positions, s.positions, 3);
+  write_fields(file, result::point_fields, s.points, static_cast<std::int64_t>(s.positions.size() / 3));
+  file.group(result::probes, "fields at points that were asked for");
+  file.strings(result::probe_names, s.probes.names);
+  write(file, result::probe_positions, s.probes.positions, 3);
+  write_fields(file, result::probe_fields, s.probes.fields, static_cast<std::int64_t>(s.probes.names.size()));
+  write_supports(file, s.supports);
+  write_loads(file, s.loads);
+}
+
+void write_time_series(H5Writer& file, const TimeSeries& t) {
+  file.group(result::time_series, "what changes with time");
+  write(file, result::time, t.time);
+  file.group(result::energy, "energies of the whole system");
+  for (std::size_t i = 0; i < t.energy.size(); ++i) {
+    if (t.energy[i].empty() && !t.time.empty()) continue;
+    const std::string path = fmt::format("{}/{}", result::energy, TimeSeries::energy_names[i]);
+    const std::string text = fmt::format("{} energy", TimeSeries::energy_names[i]);
+    write(file, {path.c_str(), "force*length", result::energy_order, text.c_str()}, t.energy[i]);
+  }
+  file.group(result::contact, "forces of each contact");
+  file.strings(result::contact_names, column(t.contacts, [](const auto& c) { return c.name; }));
+  for (const auto& contact : t.contacts) {
+    const std::string group = fmt::format("{}/{}", result::contact, contact.name), path = group + "/force";
+    file.group(group.c_str(), "one contact");
+    write(file, {path.c_str(), "force", "(time; x y z)", "force on the first-named body"}, contact.force, 3);
+  }
+}
+
+void write_surface(H5Writer& file, const SurfaceResult& s) {
+  const OutputMesh& o = s.output;
+  const auto num_vertices = static_cast<std::int64_t>(o.mesh.vertices.size());
+  file.group(result::surface, "fields on the embedded surface, step by step");
+  file.dataset(result::vertices, {num_vertices, 3}, flat(o.mesh.vertices));
+  write(file, result::vertex_parameters, o.parameters, 3);
+  write(file, result::vertex_span, o.span);
+  file.dataset(result::triangles, {static_cast<std::int64_t>(o.mesh.triangles.size()), 3}, flat(o.mesh.triangles));
+  write(file, result::region, o.mesh.region);
+  file.strings(result::regions, o.mesh.region_names);
+  write(file, result::steps, s.steps);
+  write_fields(file, result::surface_fields, s.fields, num_vertices, s.num_steps());
+}
+
+} // namespace
+
+void check_results_target(const std::filesystem::path& path, bool force) {
+  std::error_code error;
+  if (!force && std::filesystem::exists(path, error))
+    throw InputError(fmt::format("{}: exists; choose another name or add --force to replace it", path.string()));
+  const ReplacementFile trial(path); // vanishes again
+}
+
+void write_results(const std::filesystem::path& path, const Results& results, bool force) {
+  check_results_target(path, force);
+  H5Writer file(path);
+  write_header(file, results);
+  if (results.eigen) write_eigen(file, *results.eigen, static_cast<std::int64_t>(results.active_functions.size()));
+  if (results.statics) write_static(file, *results.statics);
+  if (results.time_series) write_time_series(file, *results.time_series);
+  if (results.surface) write_surface(file, *results.surface);
+  write_provenance(file, results.header.provenance);
+  file.commit();
+}
+
+} // namespace iga::io

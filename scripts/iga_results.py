@@ -1,0 +1,122 @@
+#!/usr/bin/python3
+"""Independent reader of results files: h5py and numpy alone, held against schema/results.toml.
+
+As a command:  scripts/iga_results.py modes.h5 [--json]   validates the file and prints what it says
+As a module:   results = iga_results.read("modes.h5");  results["/frequencies"], results.elastic()
+               results.field(model, coefficients, spans, parameters) with model = iga_model.read("part.h5")
+"""
+import argparse
+import json
+import sys
+
+import h5py
+import numpy as np
+
+import iga_schema
+from iga_schema import FormatError, text_of
+
+SCHEMA = iga_schema.load("results")
+KINDS = {number: name for name, number in SCHEMA["enum"]["kind"].items()}
+PARTS = {"eigen": "/eigen", "static": "/static", "explicit": "/time_series"}
+
+
+class Results:
+    """A file's arrays under the names of their datasets: results["/frequencies"]; attributes by results.attribute()."""
+
+    def __init__(self, path):
+        with h5py.File(path, "r") as file:
+            self.symbols = iga_schema.validate(file, SCHEMA)
+            self.analysis = text_of(file.attrs["analysis"])
+            if PARTS.get(self.analysis) not in file:
+                raise FormatError(f"/ attribute analysis: is {self.analysis!r}, expected one of {sorted(PARTS)} "
+                                  "and the group that goes with it")
+            self.attributes = {"/": dict(file.attrs)}
+            self.data = {}
+            file.visititems(self._keep)
+        for name in self.texts("/time_series/contact_names") if "/time_series" in self else []:
+            if f"/time_series/contact/{name}" not in self:
+                raise FormatError(f"/time_series/contact/{name}: is missing; expected a group")
+
+    def _keep(self, name, item):
+        if isinstance(item, h5py.Dataset):
+            self.data["/" + name] = item[()]
+        else:
+            self.attributes["/" + name] = dict(item.attrs)
+
+    def __getitem__(self, path):
+        return self.data[path]
+
+    def __contains__(self, path):
+        return path in self.data or path in self.attributes
+
+    def attribute(self, owner, name):
+        value = self.attributes[owner][name]
+        return text_of(value) if isinstance(value, (bytes, str)) else value
+
+    def kinds(self):
+        """RIGID, ELASTIC or MECHANISM for every mode."""
+        return [KINDS[number] for number in self["/eigen/kind"]]
+
+    def elastic(self):
+        """Numbers (from 0) of the elastic modes, ascending in frequency."""
+        return [mode for mode, kind in enumerate(self.kinds()) if kind == "ELASTIC"]
+
+    def texts(self, path):
+        return [text_of(value) for value in self[path]]
+
+    def field(self, model, coefficients, spans, parameters):
+        """u = sum N_i c_i at parameters (n, 3) of given spans (n, 3): coefficients (n_f, 3) of this file, the functions
+        of the model that it was made from."""
+        numbers, N = model.functions_at(spans, parameters)
+        rows = np.searchsorted(self["/functions/active"], numbers)
+        return np.einsum("qi,qid->qd", N, coefficients[rows])
+
+
+def read(path):
+    """Results of a file that obeys schema/results.toml. Raises FormatError naming the path, what was found and expected."""
+    return Results(path)
+
+
+def summary(results):
+    report = {"analysis": results.analysis, "title": results.attribute("/", "title"),
+              "length_unit": results.attribute("/", "length_unit"), "model": results.attribute("/model", "file"),
+              "functions": results.symbols["n_f"], "unknowns": int(results.attribute("/functions", "unknowns"))}
+    if "/eigen" in results:
+        report["frequencies"] = results["/frequencies"].tolist()
+        report["kinds"] = results.kinds()
+        report["largest_residual"] = float(results["/eigen/residual"].max(initial=0))
+    if "/static" in results:
+        report["strain_energy"] = float(results.attribute("/static", "strain_energy"))
+        report["reactions"] = dict(zip(results.texts("/static/supports/name"),
+                                       results["/static/supports/force"].tolist()))
+        report["loads"] = dict(zip(results.texts("/static/loads/name"), results["/static/loads/force"].tolist()))
+    if "/time_series" in results:
+        report["times"] = results["/time_series/time"].tolist()
+    if "/surface" in results:
+        report["surface"] = {"vertices": results.symbols["n_vertices"], "steps": results.symbols["n_steps"]}
+    return report
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("results", help="results file made by igasolve")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    arguments = parser.parse_args()
+    try:
+        report = summary(read(arguments.results))
+    except FormatError as error:
+        print(f"{arguments.results}: {error}", file=sys.stderr)
+        return 3
+    except OSError as error:
+        print(f"{arguments.results}: {error}", file=sys.stderr)
+        return 2 if isinstance(error, FileNotFoundError) else 3
+    if arguments.json:
+        print(json.dumps(report))
+    else:
+        for key, value in report.items():
+            print(f"{key:24} {value}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,292 @@
+#include "solver/eigen_solver.hpp"
+
+#include "format/model/errors.hpp"
+#include "solver/lanczos.hpp"
+#include "solver/rigid_modes.hpp"
+#include "solver/shift_invert.hpp"
+#include "solver/stopwatch.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace iga::solve {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// σ = -0.01 (π c_S / L)²: far below the first elastic mode even of slender parts, where the operator is close to K⁻¹;
+// rigid motions, which it amplifies, are kept out of the search.
+constexpr double shift_share = 0.01;
+// Eigenvalues closer than this, relatively, count as one multiplet; a Sturm count is never made inside one.
+constexpr double multiplet = 1e-6;
+// ω < 1e-4 of the first elastic mode: no stiffness.
+constexpr double no_stiffness = 1e-8;
+// ω² / λ_scale of anything that may be a mechanism; a first guess, judged against the first elastic mode afterwards.
+constexpr double mechanism_guess = 1e-9;
+constexpr double lanczos_tolerance = 1e-11;
+
+MatrixXd columns_of(const StiffnessMatrix& K, const MatrixXd& X) {
+  MatrixXd Y(X.rows(), X.cols());
+  for (Index c = 0; c < X.cols(); ++c) K.multiply(X.col(c).data(), Y.col(c).data());
+  return Y;
+}
+
+MatrixXd columns_of(const MassOperator& M, const MatrixXd& X) {
+  MatrixXd Y(X.rows(), X.cols());
+  M.multiply(X.data(), Y.data(), static_cast<int>(X.cols()));
+  return Y;
+}
+
+/// Eigenpairs found so far, without the free motions.
+struct Pairs {
+  VectorXd lambda;
+  MatrixXd X, KX, MX;
+
+  /// K and M restricted to span(X), solved: ascending, M-orthonormal.
+  void rayleigh_ritz(const EigenProblem& problem) {
+    KX = columns_of(*problem.stiffness, X);
+    MX = columns_of(*problem.mass, X);
+    const MatrixXd K = X.transpose() * KX, M = X.transpose() * MX;
+    const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> eigen(0.5 * (K + K.transpose()),
+                                                                   0.5 * (M + M.transpose()));
+    lambda = eigen.eigenvalues();
+    const MatrixXd& S = eigen.eigenvectors();
+    X = (X * S).eval();
+    KX = (KX * S).eval();
+    MX = (MX * S).eval();
+  }
+  void append(const MatrixXd& more) {
+    MatrixXd all(more.rows(), X.cols() + more.cols());
+    if (X.cols() > 0) all.leftCols(X.cols()) = X;
+    all.rightCols(more.cols()) = more;
+    X = std::move(all);
+  }
+};
+
+class Search {
+ public:
+  Search(const EigenProblem& problem, const EigenSettings& settings, ModeSet& set)
+      : problem_(problem), settings_(settings), set_(set), shift_(-shift_share * problem.lambda_scale), watch_(set.timings) {
+    free_ = free_motions(*problem.stiffness, *problem.mass, problem.constraints, problem.motions, problem.lambda_scale);
+    const Index constraints = problem.constraints ? problem.constraints->rows() : 0;
+    dimensions_ = std::max<Index>(0, problem.mass->size() - free_.vectors.cols() - constraints);
+    if (settings.modes > dimensions_)
+      throw InputError(fmt::format("{} modes were asked for, but the model has {} unknowns, {} rigid motions and {} "
+                                   "constraints; ask for at most {} modes or use smaller spans",
+                                   settings.modes, problem.mass->size(), free_.vectors.cols(), constraints, dimensions_));
+    watch_.stage("rigid modes");
+    inverse_ = std::make_unique<ShiftInvert>(problem_, shift_);
+    set_.factor = inverse_->cost();
+    watch_.stage("factorisation");
+  }
+
+  void run() {
+    find_lowest();
+    watch_.stage("Lanczos");
+    if (settings_.sturm.value_or(problem_.mass->size() < sturm_default) && problem_.mass->passes() == 1)
+      sturm_check();
+    else
+      search_again();
+    report();
+  }
+
+ private:
+  // Eigenpairs of lowest frequency beside the free motions (and beside those found, where asked for).
+  MatrixXd lanczos(int wanted, double tolerance, bool beside_found, std::uint64_t seed) {
+    MatrixXd locked = free_.vectors, B_locked = free_.mass_vectors;
+    if (beside_found) {
+      const Index k = locked.cols(), m = pairs_.X.cols();
+      locked.conservativeResize(Eigen::NoChange, k + m);
+      B_locked.conservativeResize(Eigen::NoChange, k + m);
+      locked.rightCols(m) = pairs_.X;
+      B_locked.rightCols(m) = pairs_.MX;
+    }
+    wanted = std::min(wanted, static_cast<int>(dimensions_ - (beside_found ? pairs_.X.cols() : 0)));
+    LanczosProblem lanczos_problem;
+    lanczos_problem.size = problem_.mass->size();
+    lanczos_problem.F = [&](const double* f, double* x, int columns) { inverse_->apply(f, x, columns); };
+    lanczos_problem.B = [&](const double* x, double* f, int columns) { problem_.mass->multiply(x, f, columns); };
+    lanczos_problem.locked = &locked;
+    lanczos_problem.B_locked = &B_locked;
+    const LanczosResult found = block_lanczos(
+        lanczos_problem, {.wanted = wanted, .block = settings_.block, .tolerance = tolerance, .seed = seed});
+    set_.solves += found.applied;
+    if (!found.converged)
+      throw NumericalError(fmt::format("Lanczos did not converge to {} modes after {} solutions; ask for fewer modes or "
+                                       "use --light-functions linear or degree-p",
+                                       wanted, found.applied));
+    return found.vectors;
+  }
+
+  Index mechanisms() const { return (pairs_.lambda.array() < mechanism_guess * problem_.lambda_scale).count(); }
+
+  // Number of pairs below the first gap of the spectrum behind the modes asked for; 0 where all lie in one multiplet.
+  Index whole_count() const {
+    for (Index k = mechanisms() + settings_.modes; k < pairs_.lambda.size(); ++k)
+      if (gap_after(k - 1)) return k;
+    return pairs_.lambda.size() >= dimensions_ ? pairs_.lambda.size() : 0;
+  }
+  bool gap_after(Index k) const {
+    return pairs_.lambda[k + 1] - pairs_.lambda[k] > multiplet * std::abs(pairs_.lambda[k + 1]);
+  }
+
+  void find_lowest() {
+    // A few more than asked for, to see where a multiplet ends.
+    Index extra = 3;
+    for (;;) {
+      const Index wanted = std::min<Index>(dimensions_, settings_.modes + extra);
+      pairs_.X = lanczos(static_cast<int>(wanted), lanczos_tolerance, false, 1);
+      pairs_.rayleigh_ritz(problem_);
+      whole_ = whole_count();
+      if (whole_ > 0) return;
+      extra = std::max(2 * extra, mechanisms() + 3);
+    }
+  }
+
+  // Between the last pair that is kept and the next one.
+  double gap() const {
+    if (whole_ >= pairs_.lambda.size()) return 2 * std::abs(pairs_.lambda[whole_ - 1]);
+    return 0.5 * (pairs_.lambda[whole_ - 1] + pairs_.lambda[whole_]);
+  }
+
+  // Takes in pairs that had been missed and settles anew where the modes asked for end.
+  void take_in(const MatrixXd& missed) {
+    pairs_.append(missed);
+    pairs_.rayleigh_ritz(problem_);
+    whole_ = whole_count();
+    if (whole_ == 0)
+      throw NumericalError("the modes found end inside a multiplet after missed ones were taken in; ask for more modes");
+  }
+
+  void sturm_check() {
+    SystemMatrix system;
+    system.stiffness = problem_.stiffness;
+    if (problem_.mass->is_consistent())
+      system.mass = problem_.mass->matrix();
+    else
+      system.lumped_mass = problem_.mass->masses();
+    system.constraints = problem_.constraints;
+    constexpr int most_rounds = 4;
+    for (int round = 0; round < most_rounds; ++round) {
+      system.shift = gap();
+      const Inertia counts = inertia(system);
+      // Each constraint that is not redundant adds a negative eigenvalue.
+      const std::int64_t constraints = problem_.constraints ? problem_.constraints->rows() - counts.zero : 0;
+      set_.sturm = SturmCount{system.shift, counts.negative - constraints, free_.vectors.cols() + whole_};
+      watch_.stage("Sturm count");
+      const std::int64_t missing = set_.sturm->expected - set_.sturm->found;
+      if (missing == 0) return;
+      if (missing < 0) break;
+      take_in(lanczos(static_cast<int>(missing), lanczos_tolerance, true, static_cast<std::uint64_t>(round) + 2));
+      watch_.stage("Lanczos again");
+    }
+    throw NumericalError(fmt::format("the Sturm count finds {} eigenvalues below omega² = {:.6g}, Lanczos {}; use "
+                                     "--light-functions linear or degree-p, or leave the count out",
+                                     set_.sturm->expected, set_.sturm->shift, set_.sturm->found));
+  }
+
+  // Another start beside the modes found: whatever it finds below them had been missed.
+  void search_again() {
+    set_.searched_again = true;
+    constexpr int most_rounds = 10;
+    for (int round = 0; round < most_rounds; ++round) {
+      if (pairs_.X.cols() >= dimensions_) return;
+      // Its Ritz value comes from above; 1 % are enough to tell.
+      Pairs next;
+      next.X = lanczos(1, 1e-2, true, static_cast<std::uint64_t>(round) + 100);
+      next.rayleigh_ritz(problem_);
+      watch_.stage("second search");
+      if (next.lambda[0] > pairs_.lambda[whole_ - 1]) return;
+      take_in(lanczos(1, lanczos_tolerance, true, static_cast<std::uint64_t>(round) + 100));
+    }
+  }
+
+  void report() {
+    const Index r = free_.vectors.cols();
+    const double first_guess = first_elastic_guess();
+    const Index floppy = (pairs_.lambda.head(whole_).array() < no_stiffness * first_guess).count();
+    const Index elastic = std::min<Index>(settings_.modes, whole_ - floppy), count = floppy + elastic;
+    const double first = pairs_.lambda[floppy];
+    set_.rigid = r;
+    set_.mechanisms = floppy;
+    set_.elastic = elastic;
+    set_.lambda.resize(r + count);
+    set_.lambda << free_.lambda, pairs_.lambda.head(count);
+    set_.vectors.resize(problem_.mass->size(), r + count);
+    set_.vectors << free_.vectors, pairs_.X.leftCols(count);
+    set_.kind.assign(static_cast<std::size_t>(r), ModeKind::Rigid);
+    set_.kind.resize(static_cast<std::size_t>(r + floppy), ModeKind::Mechanism);
+    set_.kind.resize(static_cast<std::size_t>(r + count), ModeKind::Elastic);
+    residuals(r, first);
+    for (Index k = 0; k < r + count; ++k) orient(set_.vectors.col(k));
+    if (floppy > 0)
+      set_.warnings.push_back(fmt::format("{} modes beside the rigid ones have no stiffness: parts of the model hang "
+                                          "together by too little",
+                                          floppy));
+    if (count < whole_)
+      set_.warnings.push_back(fmt::format("the last mode belongs to a multiplet; --modes {} gives it whole",
+                                          whole_ - floppy));
+    if (r > 0 && free_.lambda.cwiseAbs().maxCoeff() > no_stiffness * first)
+      throw NumericalError(fmt::format("a rigid motion has omega² = {:.3g}, the first elastic mode {:.3g}: rounding "
+                                       "hides what is rigid; use --light-functions linear or degree-p",
+                                       free_.lambda.cwiseAbs().maxCoeff(), first));
+  }
+
+  double first_elastic_guess() const {
+    const Index k = mechanisms();
+    return k < pairs_.lambda.size() ? pairs_.lambda[k] : problem_.lambda_scale;
+  }
+
+  void residuals(Index rigid, double first_elastic) {
+    const MatrixXd KX = columns_of(*problem_.stiffness, set_.vectors), MX = columns_of(*problem_.mass, set_.vectors);
+    set_.residual.resize(set_.lambda.size());
+    for (Index k = 0; k < set_.lambda.size(); ++k) {
+      const double scale = std::max(std::abs(set_.lambda[k]), first_elastic);
+      VectorXd defect = KX.col(k) - set_.lambda[k] * MX.col(k);
+      if (problem_.constraints) defect -= inverse_->constraint_forces(defect);
+      set_.residual[k] = defect.norm() / (scale * MX.col(k).norm());
+    }
+    const double worst = set_.residual.tail(set_.lambda.size() - rigid).maxCoeff();
+    if (worst > residual_limit)
+      throw NumericalError(fmt::format("the residual of an eigenpair is {:.2g}, at most {:g} is allowed; use "
+                                       "--light-functions linear or degree-p",
+                                       worst, residual_limit));
+  }
+
+  static void orient(Eigen::Ref<VectorXd> x) {
+    Index largest = 0;
+    x.cwiseAbs().maxCoeff(&largest);
+    // Among components that are equal to rounding the first one decides.
+    const double top = std::abs(x[largest]) * (1 - 1e-6);
+    for (Index i = 0; i < largest; ++i)
+      if (std::abs(x[i]) >= top) largest = i;
+    if (x[largest] < 0) x = -x;
+  }
+
+  const EigenProblem& problem_;
+  const EigenSettings& settings_;
+  ModeSet& set_;
+  double shift_;
+  Stopwatch watch_;
+  FreeMotions free_;
+  Index dimensions_ = 0, whole_ = 0;
+  std::unique_ptr<ShiftInvert> inverse_;
+  Pairs pairs_;
+};
+
+} // namespace
+
+ModeSet lowest_modes(const EigenProblem& problem, const EigenSettings& settings) {
+  if (settings.modes < 1) throw InputError(fmt::format("{} modes were asked for; ask for at least one", settings.modes));
+  ModeSet set;
+  Search(problem, settings, set).run();
+  return set;
+}
+
+} // namespace iga::solve

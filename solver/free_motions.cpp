@@ -1,0 +1,182 @@
+#include "solver/free_motions.hpp"
+
+#include "solver/support_rows.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <numeric>
+
+namespace iga::solve {
+
+namespace {
+
+using Twist = Eigen::Matrix<double, 6, 1>; // velocity t at the body's centre, then ω · radius
+
+// A motion is free where its mean square displacement along the fixed directions, per unit area of support, stays below
+// this share of its own: a support of size r holds a body of size R to about (r / R)².
+constexpr double free_below = 1e-11;
+// Components of unit vectors below this are rounding.
+constexpr double small = 1e-7;
+
+struct Body {
+  double volume = 0, radius = 0, support_area = 0;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  Eigen::Matrix<double, 6, 6> held = Eigen::Matrix<double, 6, 6>::Zero(); ///< ∫ (e · v)(e · v) dA over twists
+};
+
+Eigen::Vector3d as_vector(const Point3& x) {
+  return {x[0], x[1], x[2]};
+}
+
+std::vector<Body> measure(const TrimmedModel& model, const Bodies& bodies) {
+  std::vector<Body> all(static_cast<std::size_t>(bodies.count));
+  const auto each = [&](auto&& use) {
+    for (std::size_t a = 0; a < model.active.size(); ++a)
+      for (std::int64_t q = model.points.offsets[a]; q < model.points.offsets[a + 1]; ++q) {
+        const auto i = static_cast<std::size_t>(q);
+        const double* u = model.points.parameters.data() + 3 * i;
+        use(all[static_cast<std::size_t>(bodies.of_span[a])], as_vector(model.grid.to_position({u[0], u[1], u[2]})),
+            model.points.weights[i]);
+      }
+  };
+  each([](Body& body, const Eigen::Vector3d& x, double w) {
+    body.volume += w;
+    body.centre += w * x;
+  });
+  for (Body& body : all)
+    if (body.volume > 0) body.centre /= body.volume;
+  each([](Body& body, const Eigen::Vector3d& x, double) {
+    body.radius = std::max(body.radius, (x - body.centre).norm());
+  });
+  return all;
+}
+
+void add_supports(const TrimmedModel& model, const Bodies& bodies, std::span<const PreparedSupport> supports,
+                  std::vector<Body>& all) {
+  for (const PreparedSupport& prepared : supports)
+    for (std::size_t s = 0; s < prepared.region.spans.size(); ++s) {
+      const PointBatch batch = gather(model, prepared.region, s);
+      Body& body = all[static_cast<std::size_t>(bodies.of_span[static_cast<std::size_t>(batch.span)])];
+      for (std::size_t q = 0; q < batch.size(); ++q) {
+        body.support_area += batch.weights[q];
+        const FixedDirections fixed = fixed_directions(prepared.support, batch.normals[q], batch.positions[q]);
+        for (std::size_t d = 0; d < static_cast<std::size_t>(fixed.count); ++d) {
+          const Eigen::Vector3d e = as_vector(fixed.direction[d]);
+          Twist row;
+          row << e, (as_vector(batch.positions[q]) - body.centre).cross(e) / body.radius;
+          body.held += batch.weights[q] * row * row.transpose();
+        }
+      }
+    }
+}
+
+// Orthonormal basis of the twists that no support resists.
+Eigen::MatrixXd free_twists(const Body& body) {
+  if (!(body.support_area > 0)) return Eigen::MatrixXd::Identity(6, 6);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(body.held / body.support_area);
+  Eigen::Index count = 0;
+  while (count < 6 && eigen.eigenvalues()[count] < free_below) ++count;
+  return eigen.eigenvectors().leftCols(count);
+}
+
+// The same space with as many zeros as possible: reduced row echelon form of the transposed basis, rows of length one.
+Eigen::MatrixXd plain_basis(const Eigen::MatrixXd& basis) {
+  Eigen::MatrixXd rows = basis.transpose();
+  Eigen::Index row = 0;
+  for (Eigen::Index c = 0; c < rows.cols() && row < rows.rows(); ++c) {
+    Eigen::Index pivot = 0;
+    if (rows.col(c).tail(rows.rows() - row).cwiseAbs().maxCoeff(&pivot) < small) continue;
+    rows.row(row).swap(rows.row(row + pivot));
+    rows.row(row) /= rows(row, c);
+    for (Eigen::Index r = 0; r < rows.rows(); ++r)
+      if (r != row) rows.row(r) -= rows(r, c) * rows.row(row);
+    ++row;
+  }
+  rows = rows.unaryExpr([](double v) { return std::abs(v) < small ? 0.0 : v; });
+  rows.rowwise().normalize();
+  return rows.transpose();
+}
+
+std::string text(Eigen::Vector3d v, double unit) {
+  for (double& c : v)
+    if (std::abs(c) < small * unit) c = 0; // no "-0" and no rounding in messages
+  return fmt::format("({:.4g}, {:.4g}, {:.4g})", v[0], v[1], v[2]);
+}
+
+std::vector<std::string> describe(const Body& body, const Eigen::MatrixXd& twists) {
+  std::vector<std::string> motions;
+  // Combinations without rotation are translations; what is orthogonal to them rotates.
+  const Eigen::JacobiSVD<Eigen::MatrixXd> turning(twists.bottomRows(3), Eigen::ComputeFullV);
+  const Eigen::Index rotations = (turning.singularValues().array() > small).count();
+  const Eigen::Index translations = twists.cols() - rotations;
+  Eigen::MatrixXd along(3, 0);
+  if (translations > 0) {
+    along = plain_basis((twists * turning.matrixV().rightCols(translations)).topRows(3));
+    for (Eigen::Index k = 0; k < translations; ++k)
+      motions.push_back(fmt::format("translation along {}", text(along.col(k), 1)));
+  }
+  if (rotations == 0) return motions;
+  const Eigen::MatrixXd space = twists * turning.matrixV().leftCols(rotations);
+  const Eigen::MatrixXd axes = plain_basis(space.bottomRows(3));
+  const Eigen::MatrixXd factors =
+      Eigen::JacobiSVD<Eigen::MatrixXd>(space.bottomRows(3), Eigen::ComputeThinU | Eigen::ComputeThinV).solve(axes);
+  for (Eigen::Index k = 0; k < rotations; ++k) {
+    const Eigen::Vector3d axis = axes.col(k);
+    const Eigen::Vector3d velocity = body.radius * (space * factors.col(k)).head(3); // at the centre, for ω = axis
+    const Eigen::Vector3d through = body.centre + axis.cross(velocity);
+    motions.push_back(fmt::format("rotation about the axis {} through {}", text(axis, 1), text(through, body.radius)));
+  }
+  return motions;
+}
+
+} // namespace
+
+Bodies find_bodies(const SolutionSpace& space) {
+  std::vector<std::int32_t> parent(static_cast<std::size_t>(space.num_nodes()));
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](std::int32_t i) {
+    while (parent[static_cast<std::size_t>(i)] != i) {
+      auto& above = parent[static_cast<std::size_t>(i)];
+      i = above = parent[static_cast<std::size_t>(above)];
+    }
+    return i;
+  };
+  for (std::int64_t a = 0; a < space.num_spans(); ++a)
+    for (const std::int32_t node : space.nodes(a)) {
+      const std::int32_t one = root(node), other = root(space.nodes(a).front());
+      parent[static_cast<std::size_t>(std::max(one, other))] = std::min(one, other);
+    }
+  Bodies bodies;
+  bodies.of_node.resize(parent.size());
+  for (std::size_t i = 0; i < parent.size(); ++i) {
+    const auto own = static_cast<std::int32_t>(i);
+    bodies.of_node[i] = root(own) == own ? static_cast<std::int32_t>(bodies.count++)
+                                         : bodies.of_node[static_cast<std::size_t>(root(own))];
+  }
+  for (std::int64_t a = 0; a < space.num_spans(); ++a)
+    bodies.of_span.push_back(space.nodes(a).empty() ? 0
+                                                    : bodies.of_node[static_cast<std::size_t>(space.nodes(a).front())]);
+  return bodies;
+}
+
+std::vector<std::string> free_rigid_motions(const SolutionSpace& space, std::span<const PreparedSupport> supports) {
+  const Bodies bodies = find_bodies(space);
+  std::vector<Body> all = measure(space.model(), bodies);
+  add_supports(space.model(), bodies, supports, all);
+  std::vector<std::string> lines;
+  for (std::size_t b = 0; b < all.size(); ++b) {
+    const Eigen::MatrixXd twists = free_twists(all[b]);
+    if (twists.cols() == 0) continue;
+    lines.push_back(fmt::format("body {} of {} (centre {}, volume {:.4g}) is free to move: {}", b + 1, all.size(),
+                                text(all[b].centre, all[b].radius), all[b].volume,
+                                fmt::join(describe(all[b], twists), ", ")));
+  }
+  return lines;
+}
+
+} // namespace iga::solve

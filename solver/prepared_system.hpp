@@ -1,0 +1,19 @@
+// What all eigenvalue analyses start from: space, stiffness with its supports, mass.
+#pragma once
+
+#include "solver/mass_operator.hpp"
+#include "solver/run_settings.hpp"
+
+namespace iga::solve {
+
+struct PreparedSystem {
+  std::unique_ptr<SolutionSpace> space;
+  StiffnessMatrix K;
+  MassOperator M;
+  SupportTerms supports;
+  std::vector<std::pair<std::string, double>> timings; ///< stage, seconds
+};
+
+PreparedSystem prepare_system(const RunSettings& run, const TrimmedModel& model);
+
+} // namespace iga::solve

@@ -1,0 +1,131 @@
+#include "solver/rigid_modes.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+namespace iga::solve {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Share of λ_scale up to which a Rayleigh quotient may be rounding: (1e-5 of the part's frequency)², while the first
+// elastic mode of a slender part may lie at 1e-4 of λ_scale.
+constexpr double free_energy = 1e-10;
+// A motion that moves a constrained value by less than this share of what it moves unknowns is not constrained.
+constexpr double free_constraint = 1e-9;
+
+std::int32_t root(std::vector<std::int32_t>& parent, std::int32_t i) {
+  while (parent[static_cast<std::size_t>(i)] != i) {
+    auto& up = parent[static_cast<std::size_t>(i)];
+    up = parent[static_cast<std::size_t>(up)];
+    i = up;
+  }
+  return i;
+}
+
+// An M-orthonormal basis of the span of V; directions without mass are dropped.
+MatrixXd orthonormal(const MatrixXd& V, const MatrixXd& MV) {
+  MatrixXd G = V.transpose() * MV;
+  const VectorXd scale = G.diagonal().unaryExpr([](double g) { return g > 0 ? 1 / std::sqrt(g) : 0.0; });
+  G = scale.asDiagonal() * G * scale.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(0.5 * (G + G.transpose()));
+  // A body that is a line has rotations without inertia, to rounding.
+  const Index kept = (eigen.eigenvalues().array() > 1e-12).count();
+  const VectorXd root = eigen.eigenvalues().tail(kept).cwiseSqrt().cwiseInverse();
+  return V * (scale.asDiagonal() * eigen.eigenvectors().rightCols(kept) * root.asDiagonal());
+}
+
+// Combinations of the columns of V that leave all constrained values alone.
+MatrixXd unconstrained(const MatrixXd& V, const ConstraintMatrix* C) {
+  if (!C || C->rows() == 0 || V.cols() == 0) return V;
+  VectorXd reach(C->rows());
+  for (Index r = 0; r < C->rows(); ++r) reach[r] = C->row(r).cwiseAbs().sum();
+  const VectorXd inverse = reach.unaryExpr([](double v) { return v > 0 ? 1 / v : 0.0; });
+  const MatrixXd W = inverse.asDiagonal() * (*C * V) / V.cwiseAbs().maxCoeff();
+  // C V may have thousands of rows and few columns: its triangular factor has the same singular values.
+  const Eigen::JacobiSVD<MatrixXd, Eigen::HouseholderQRPreconditioner> svd(
+      W.rows() >= W.cols() ? W : MatrixXd(W.transpose() * W), Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const double limit = W.rows() >= W.cols() ? free_constraint : free_constraint * free_constraint;
+  const Index fixed = (svd.singularValues().array() > limit).count();
+  return V * svd.matrixV().rightCols(V.cols() - fixed);
+}
+
+} // namespace
+
+Bodies separate_bodies(const NodePattern& pattern) {
+  const auto n = static_cast<std::size_t>(pattern.num_nodes());
+  std::vector<std::int32_t> parent(n);
+  std::iota(parent.begin(), parent.end(), 0);
+  for (std::size_t j = 0; j < n; ++j)
+    for (auto k = static_cast<std::size_t>(pattern.offsets[j]); k < static_cast<std::size_t>(pattern.offsets[j + 1]); ++k) {
+      const std::int32_t a = root(parent, static_cast<std::int32_t>(j)), b = root(parent, pattern.rows[k]);
+      parent[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+    }
+  Bodies bodies;
+  bodies.of_node.resize(n);
+  for (std::size_t j = 0; j < n; ++j) {
+    const auto first = static_cast<std::size_t>(root(parent, static_cast<std::int32_t>(j)));
+    bodies.of_node[j] = first == j ? static_cast<std::int32_t>(bodies.count++) : bodies.of_node[first];
+  }
+  return bodies;
+}
+
+MatrixXd rigid_motions(const SolutionSpace& space, const Bodies& bodies) {
+  const auto points = space.node_points();
+  Eigen::Matrix<double, Eigen::Dynamic, 3> middle = Eigen::Matrix<double, Eigen::Dynamic, 3>::Zero(bodies.count, 3);
+  VectorXd nodes = VectorXd::Zero(bodies.count);
+  for (Index i = 0; i < points.rows(); ++i) {
+    middle.row(bodies.of_node[static_cast<std::size_t>(i)]) += points.row(i);
+    nodes[bodies.of_node[static_cast<std::size_t>(i)]] += 1;
+  }
+  MatrixXd motions = MatrixXd::Zero(space.num_unknowns(), 6 * bodies.count);
+  for (Index i = 0; i < points.rows(); ++i) {
+    const Index body = bodies.of_node[static_cast<std::size_t>(i)];
+    const Eigen::Vector3d arm = (points.row(i) - middle.row(body) / nodes[body]).transpose();
+    for (Index d = 0; d < 3; ++d) {
+      motions(3 * i + d, 6 * body + d) = 1;
+      motions.block<3, 1>(3 * i, 6 * body + 3 + d) = Eigen::Vector3d::Unit(d).cross(arm);
+    }
+  }
+  return motions;
+}
+
+double lambda_scale(const SolutionSpace& space, const ElasticMaterial& material) {
+  const auto points = space.node_points();
+  const double diagonal = (points.colwise().maxCoeff() - points.colwise().minCoeff()).norm();
+  return std::pow(std::numbers::pi * material.slowest_wave() / diagonal, 2);
+}
+
+FreeMotions free_motions(const StiffnessMatrix& K, const MassOperator& M, const ConstraintMatrix* constraints,
+                         const MatrixXd& motions, double lambda_scale) {
+  FreeMotions free;
+  const auto apply = [](const auto& op, const MatrixXd& X) {
+    MatrixXd Y(X.rows(), X.cols());
+    for (Index c = 0; c < X.cols(); ++c) Y.col(c) = op * VectorXd(X.col(c));
+    return Y;
+  };
+  MatrixXd V = orthonormal(motions, apply(M, motions));
+  V = unconstrained(V, constraints);
+  const MatrixXd stiffness = V.transpose() * apply(K, V);
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(0.5 * (stiffness + stiffness.transpose()));
+  const Index count = V.cols() > 0 ? (eigen.eigenvalues().array() < free_energy * lambda_scale).count() : 0;
+  if (count > 0) {
+    const MatrixXd kept = V * eigen.eigenvectors().leftCols(count);
+    free.vectors = orthonormal(kept, apply(M, kept));
+  } else {
+    free.vectors.resize(motions.rows(), 0);
+  }
+  free.mass_vectors = apply(M, free.vectors);
+  free.lambda = (free.vectors.cwiseProduct(apply(K, free.vectors))).colwise().sum().transpose();
+  return free;
+}
+
+} // namespace iga::solve

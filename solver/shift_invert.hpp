@@ -1,0 +1,32 @@
+// The operator (K - σ M)⁻¹ of a shift σ < 0, whatever the mass and the constraints.
+#pragma once
+
+#include "solver/eigen_solver.hpp"
+
+namespace iga::solve {
+
+class ShiftInvert {
+ public:
+  /// Factorises K - σ M: by Cholesky, or by MUMPS where there are constraints. A multi-pass mass is no matrix; there
+  /// K - σ M_L is factorised and serves as preconditioner: as M_L / passes ≤ M ≤ M_L for the plain basis, conjugate
+  /// gradients gain a factor of four and more with each step.
+  ShiftInvert(const EigenProblem& problem, double shift);
+
+  /// X = (K - σ M)⁻¹ F, (size × columns) column by column; with constraints the X that obeys them.
+  void apply(const double* F, double* X, int columns) const;
+  /// Cᵀ μ: the forces of the constraints that balance f, where they can; nothing else is left of the reactions to an
+  /// eigenpair's K x - ω² M x. Zero without constraints.
+  Eigen::VectorXd constraint_forces(const Eigen::VectorXd& f) const;
+  FactorCost cost() const { return factor_->cost(); }
+
+ private:
+  void solve_factor(const double* F, double* X, int columns) const;
+  void conjugate_gradients(const double* f, double* x) const;
+
+  const EigenProblem& problem_;
+  double shift_;
+  std::unique_ptr<LinearSolver> factor_;
+  mutable Eigen::MatrixXd bordered_, solution_;
+};
+
+} // namespace iga::solve

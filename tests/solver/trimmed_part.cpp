@@ -1,0 +1,35 @@
+#include "tests/solver/trimmed_part.hpp"
+
+#include "preprocessor/build_quadrature.hpp"
+#include "preprocessor/surface_quadrature.hpp"
+#include "preprocessor/trim.hpp"
+#include "tests/embed/surfaces.hpp"
+
+namespace iga::test {
+
+TrimmedModel make_part(const TriangleMesh& mesh, const SplineGrid& grid, int moment_degree) {
+  prep::Trimming trimming = prep::trim(grid, mesh, {});
+  const int q = moment_degree > 0 ? moment_degree : grid.degree()[0];
+  prep::QuadratureOptions options;
+  options.moment_degree = {q, q, q};
+  TrimmedModel model;
+  model.grid = grid;
+  model.quadrature.moment_degree = options.moment_degree;
+  model.quadrature.part_volume = volume_moments(mesh).volume;
+  model.points = prep::build_quadrature(grid, trimming, options).points;
+  prep::FunctionMass mass = prep::function_mass(grid, trimming, model.points);
+  model.active_functions = std::move(mass.functions);
+  model.mass_fraction = std::move(mass.mass_fraction);
+  model.surface = prep::make_embedded_surface(grid, mesh, trimming);
+  model.state = std::move(trimming.state);
+  model.active = std::move(trimming.active);
+  model.volume_fraction = std::move(trimming.fraction);
+  return model;
+}
+
+TrimmedModel make_part(const TriangleMesh& mesh, const PartOptions& options) {
+  return make_part(mesh, grid_around(mesh, options.span_size, options.degree, options.shift, options.rotation),
+                   options.moment_degree);
+}
+
+} // namespace iga::test

@@ -1,0 +1,107 @@
+// Bitwise comparison of results, field by field, so that a failure names the field.
+#pragma once
+
+#include "format/model/results.hpp"
+#include "tests/support/equal_models.hpp"
+
+namespace iga::test {
+
+inline void expect_equal(const ResultsHeader& a, const ResultsHeader& b) {
+  EXPECT_EQ(a.analysis, b.analysis);
+  EXPECT_EQ(a.title, b.title);
+  EXPECT_EQ(a.length_unit, b.length_unit);
+  EXPECT_EQ(a.model_file, b.model_file);
+  EXPECT_EQ(a.model_sha256, b.model_sha256);
+  EXPECT_EQ(a.light_functions, b.light_functions);
+  EXPECT_EQ(a.light_threshold, b.light_threshold);
+  EXPECT_EQ(a.unknowns, b.unknowns);
+  EXPECT_EQ(a.density, b.density);
+  EXPECT_EQ(a.stiffness, b.stiffness);
+  expect_equal(a.provenance, b.provenance);
+}
+
+inline void expect_equal(const FieldSamples& a, const FieldSamples& b) {
+  EXPECT_EQ(a.displacement, b.displacement);
+  EXPECT_EQ(a.strain, b.strain);
+  EXPECT_EQ(a.stress, b.stress);
+  EXPECT_EQ(a.von_mises, b.von_mises);
+}
+
+inline void expect_equal(const EigenResult& a, const EigenResult& b) {
+  EXPECT_EQ(a.mass, b.mass);
+  EXPECT_EQ(a.complete_below, b.complete_below);
+  EXPECT_EQ(a.frequencies, b.frequencies);
+  EXPECT_EQ(a.omega_squared, b.omega_squared);
+  EXPECT_EQ(a.residuals, b.residuals);
+  EXPECT_EQ(a.kind, b.kind);
+  EXPECT_EQ(a.modes, b.modes);
+}
+
+inline void expect_equal(const SupportResult& a, const SupportResult& b) {
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.method, b.method);
+  EXPECT_EQ(a.area, b.area);
+  EXPECT_EQ(a.centroid, b.centroid);
+  EXPECT_EQ(a.force, b.force);
+  EXPECT_EQ(a.moment, b.moment);
+}
+
+inline void expect_equal(const LoadResult& a, const LoadResult& b) {
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.kind, b.kind);
+  EXPECT_EQ(a.area, b.area);
+  EXPECT_EQ(a.centroid, b.centroid);
+  EXPECT_EQ(a.force, b.force);
+  EXPECT_EQ(a.moment, b.moment);
+}
+
+inline void expect_equal(const StaticResult& a, const StaticResult& b) {
+  EXPECT_EQ(a.strain_energy, b.strain_energy);
+  EXPECT_EQ(a.external_work, b.external_work);
+  EXPECT_EQ(a.displacement, b.displacement);
+  EXPECT_EQ(a.positions, b.positions);
+  expect_equal(a.points, b.points);
+  EXPECT_EQ(a.probes.names, b.probes.names);
+  EXPECT_EQ(a.probes.positions, b.probes.positions);
+  expect_equal(a.probes.fields, b.probes.fields);
+  ASSERT_EQ(a.supports.size(), b.supports.size());
+  for (std::size_t i = 0; i < a.supports.size(); ++i) expect_equal(a.supports[i], b.supports[i]);
+  ASSERT_EQ(a.loads.size(), b.loads.size());
+  for (std::size_t i = 0; i < a.loads.size(); ++i) expect_equal(a.loads[i], b.loads[i]);
+}
+
+inline void expect_equal(const TimeSeries& a, const TimeSeries& b) {
+  EXPECT_EQ(a.time, b.time);
+  EXPECT_EQ(a.energy, b.energy);
+  ASSERT_EQ(a.contacts.size(), b.contacts.size());
+  for (std::size_t i = 0; i < a.contacts.size(); ++i) {
+    EXPECT_EQ(a.contacts[i].name, b.contacts[i].name);
+    EXPECT_EQ(a.contacts[i].force, b.contacts[i].force);
+  }
+}
+
+inline void expect_equal(const SurfaceResult& a, const SurfaceResult& b) {
+  EXPECT_EQ(a.output.mesh.vertices, b.output.mesh.vertices);
+  EXPECT_EQ(a.output.mesh.triangles, b.output.mesh.triangles);
+  EXPECT_EQ(a.output.mesh.region, b.output.mesh.region);
+  EXPECT_EQ(a.output.mesh.region_names, b.output.mesh.region_names);
+  EXPECT_EQ(a.output.parameters, b.output.parameters);
+  EXPECT_EQ(a.output.span, b.output.span);
+  EXPECT_EQ(a.steps, b.steps);
+  expect_equal(a.fields, b.fields);
+}
+
+inline void expect_equal(const Results& a, const Results& b) {
+  expect_equal(a.header, b.header);
+  EXPECT_EQ(a.active_functions, b.active_functions);
+  const auto parts = [](const auto& x, const auto& y) {
+    ASSERT_EQ(x.has_value(), y.has_value());
+    if (x) expect_equal(*x, *y);
+  };
+  parts(a.eigen, b.eigen);
+  parts(a.statics, b.statics);
+  parts(a.time_series, b.time_series);
+  parts(a.surface, b.surface);
+}
+
+} // namespace iga::test

@@ -1,0 +1,147 @@
+#include "tests/support/synthetic_results.hpp"
+
+#include "format/model/vec3.hpp"
+
+namespace iga::test {
+
+namespace {
+
+void append(std::vector<double>& values, const Point3& x) {
+  values.insert(values.end(), x.begin(), x.end());
+}
+
+// Numbers that no two entries share, so that a mix-up is seen.
+std::vector<double> counted(std::size_t count, double first) {
+  std::vector<double> values(count);
+  for (std::size_t i = 0; i < count; ++i) values[i] = first + 1e-3 * static_cast<double>(i);
+  return values;
+}
+
+Point3 greville_position(const TrimmedModel& model, std::int64_t function) {
+  return model.grid.control_point(model.grid.function_index(function));
+}
+
+void append_coefficients(std::vector<double>& values, const TrimmedModel& model, int step) {
+  const LinearField field(step);
+  for (const std::int64_t function : model.active_functions)
+    append(values, field.at(greville_position(model, function)));
+}
+
+Results with_header(const TrimmedModel& model, const char* analysis) {
+  Results r;
+  ResultsHeader& h = r.header;
+  h.analysis = analysis;
+  h.title = model.title;
+  h.length_unit = model.length_unit;
+  h.model_file = "box.h5";
+  h.model_sha256 = std::string(64, 'd');
+  h.light_functions = "linear";
+  h.light_threshold = 0.05;
+  h.unknowns = static_cast<std::int64_t>(3 * model.active_functions.size());
+  h.density = 7.8e-6;
+  const auto C = counted(36, 200);
+  std::copy(C.begin(), C.end(), h.stiffness.begin());
+  h.provenance = model.provenance;
+  h.provenance.producer = "igasolve";
+  r.active_functions = model.active_functions;
+  return r;
+}
+
+EigenResult make_eigen(const TrimmedModel& model) {
+  EigenResult e;
+  e.complete_below = 7.25;
+  e.frequencies = {0, 0, 0, 0, 0, 0, 0, 3.5, 7};
+  e.kind = {0, 0, 0, 0, 0, 0, 2, 1, 1};
+  e.omega_squared = counted(9, -1e-3);
+  e.residuals = counted(9, 1e-9);
+  for (int mode = 0; mode < 9; ++mode) append_coefficients(e.modes, model, mode);
+  return e;
+}
+
+StaticResult make_static(const TrimmedModel& model) {
+  StaticResult s;
+  s.strain_energy = 12.5;
+  s.external_work = 12.625;
+  append_coefficients(s.displacement, model, 0);
+  const std::size_t n = model.points.weights.size();
+  const LinearField field(0);
+  for (std::size_t q = 0; q < n; ++q) {
+    const double* u = &model.points.parameters[3 * q];
+    const Point3 x = model.grid.to_position({u[0], u[1], u[2]});
+    append(s.positions, x);
+    append(s.points.displacement, field.at(x));
+  }
+  s.points.strain = counted(6 * n, 1);
+  s.points.stress = counted(6 * n, 2);
+  s.points.von_mises = counted(n, 3);
+  s.probes = {{"tip"}, {1, 2, 3}, {{4, 5, 6}, counted(6, 7), counted(6, 8), {9}}};
+  s.supports = {{"Wand", "nitsche", 2.5, {1, 2, 3}, {4, 5, 6}, {7, 8, 9}},
+                {"symmetry", "lagrange", 3.5, {11, 12, 13}, {14, 15, 16}, {17, 18, 19}}};
+  s.loads = {{"weight", "body force", 0, {1, 1, 1}, {0, 0, -2}, {0, 0, 0}},
+             {"wind", "pressure", 4, {2, 2, 2}, {3, 0, 0}, {0, 1, 0}},
+             {"nail", "point", 0, {5, 5, 5}, {0, 6, 0}, {0, 0, 0}}};
+  return s;
+}
+
+TimeSeries make_time_series() {
+  TimeSeries t;
+  t.time = {0, 0.5, 1};
+  for (std::size_t i = 0; i < t.energy.size(); ++i) t.energy[i] = counted(3, static_cast<double>(i));
+  t.contacts = {{"hammer", counted(9, 1)}, {"anvil", counted(9, 2)}};
+  return t;
+}
+
+} // namespace
+
+LinearField::LinearField(int step) {
+  const double s = 1 + step;
+  G = {{{1e-3 * s, 2e-4, 0}, {0, -3e-4 * s, 1e-4}, {5e-4, 0, 2e-4}}};
+  c = {1e-3, 0, -2e-3 * s};
+}
+
+Point3 LinearField::at(const Point3& x) const {
+  return plus(c, {dot(G[0], x), dot(G[1], x), dot(G[2], x)});
+}
+
+SurfaceResult make_surface_result(const TrimmedModel& model, int num_steps) {
+  SurfaceResult s;
+  s.output = {model.surface.mesh, model.surface.vertex_parameters, model.surface.vertex_span};
+  for (int step = 0; step < num_steps; ++step) {
+    const LinearField field(step);
+    s.steps.push_back(step + 1);
+    for (std::size_t v = 0; v < model.surface.mesh.vertices.size(); ++v) {
+      append(s.fields.displacement, field.at(model.surface.mesh.vertices[v]));
+      s.fields.von_mises.push_back(100 * (step + 1) + static_cast<double>(v));
+    }
+  }
+  return s;
+}
+
+Results make_eigen_results(const TrimmedModel& model) {
+  Results r = with_header(model, "eigen");
+  r.eigen = make_eigen(model);
+  r.surface = make_surface_result(model, 9);
+  return r;
+}
+
+Results make_static_results(const TrimmedModel& model) {
+  Results r = with_header(model, "static");
+  r.statics = make_static(model);
+  r.surface = make_surface_result(model, 1);
+  const std::size_t n = model.surface.mesh.vertices.size();
+  r.surface->fields.stress = counted(6 * n, 10);
+  r.surface->fields.strain = counted(6 * n, 20);
+  return r;
+}
+
+Results make_full_results(const TrimmedModel& model) {
+  Results r = make_eigen_results(model);
+  r.statics = make_static(model);
+  r.time_series = make_time_series();
+  const std::size_t n = model.surface.mesh.vertices.size();
+  r.surface->fields.stress = counted(9 * 6 * n, 10);
+  r.surface->fields.strain = counted(9 * 6 * n, 20);
+  return r;
+}
+
+} // namespace iga::test
