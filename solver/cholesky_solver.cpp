@@ -13,8 +13,8 @@ namespace iga::solve {
 namespace {
 
 // What is added to the unit diagonal of a shifted, scaled system that rounding has made indefinite: functions on
-// slivers are nearly dependent, and K - shift M, positive definite in exact arithmetic, may have a negative pivot of the
-// size of rounding. The change only touches combinations that hold a share of 1e-13 of their parts' energy.
+// slivers are nearly dependent, and K - shift M, positive definite in exact arithmetic, may have a negative pivot of
+// the size of rounding. The change only touches combinations that hold a share of 1e-13 of their parts' energy.
 constexpr double roundings[]{0, 1e-14, 1e-13};
 
 class CholeskySolver final : public LinearSolver {
@@ -119,10 +119,11 @@ class CholeskySolver final : public LinearSolver {
 std::unique_ptr<LinearSolver> factorise_positive_definite(const SystemMatrix& system) {
   const bool shifted = system.shift < 0 && (system.mass || system.lumped_mass);
   const char* advice =
-      shifted ? "either functions on slivers are dependent to rounding (use --light-functions linear or degree-p), or a "
-                "support's penalty or Nitsche terms make the stiffness indefinite"
-              : "either the supports leave a rigid motion free (support more regions or components), or functions on "
-                "slivers are dependent to rounding (use --light-functions linear or degree-p)";
+      shifted
+          ? "either functions on slivers are dependent to rounding (use --light-functions linear or degree-p), or a "
+            "support's penalty or Nitsche terms make the stiffness indefinite"
+          : "either the supports leave a rigid motion free (support more regions or components), or functions on "
+            "slivers are dependent to rounding (use --light-functions linear or degree-p)";
   return std::make_unique<CholeskySolver>(scaled_columns(system),
                                           expand_order(order_nodes(system.stiffness->pattern()), 3), shifted, advice);
 }

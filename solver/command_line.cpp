@@ -90,12 +90,14 @@ void add_results(CLI::App& sub, TypedRun& t) {
 void settle_file(const Raw& raw, AnalysisCommand& c) {
   const TypedRun flags = c.typed;
   TypedRun base;
-  if (std::filesystem::path(raw.file).extension() == ".toml")
-    base = read_run_file(raw.file);
-  else if (!raw.file.empty() && flags.model)
+  if (std::filesystem::path(raw.file).extension() == ".toml") {
+    c.run_file = raw.file;
+    base = read_run_file(c.run_file);
+  } else if (!raw.file.empty() && flags.model) {
     throw InputError(fmt::format("two models are given: {} and --model {}", raw.file, flags.model->string()));
-  else if (!raw.file.empty())
+  } else if (!raw.file.empty()) {
     base.model = raw.file;
+  }
   c.typed = override_run(std::move(base), flags);
 }
 

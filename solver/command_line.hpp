@@ -11,7 +11,8 @@ namespace iga::solve {
 
 /// An analysis with everything that the command line and the run file say.
 struct AnalysisCommand {
-  TypedRun typed; ///< file and flags together
+  std::filesystem::path run_file; ///< empty where the model was given
+  TypedRun typed;                 ///< file and flags together
   Analysis analysis = Analysis::Eigen;
   ReportStyle style = ReportStyle::Text;
   bool force = false;

@@ -72,14 +72,16 @@ struct Pairs {
 class Search {
  public:
   Search(const EigenProblem& problem, const EigenSettings& settings, ModeSet& set)
-      : problem_(problem), settings_(settings), set_(set), shift_(-shift_share * problem.lambda_scale), watch_(set.timings) {
+      : problem_(problem), settings_(settings), set_(set), shift_(-shift_share * problem.lambda_scale),
+        watch_(set.timings) {
     free_ = free_motions(*problem.stiffness, *problem.mass, problem.constraints, problem.motions, problem.lambda_scale);
     const Index constraints = problem.constraints ? problem.constraints->rows() : 0;
     dimensions_ = std::max<Index>(0, problem.mass->size() - free_.vectors.cols() - constraints);
     if (settings.modes > dimensions_)
       throw InputError(fmt::format("{} modes were asked for, but the model has {} unknowns, {} rigid motions and {} "
                                    "constraints; ask for at most {} modes or use smaller spans",
-                                   settings.modes, problem.mass->size(), free_.vectors.cols(), constraints, dimensions_));
+                                   settings.modes, problem.mass->size(), free_.vectors.cols(), constraints,
+                                   dimensions_));
     watch_.stage("rigid modes");
     inverse_ = std::make_unique<ShiftInvert>(problem_, shift_);
     set_.factor = inverse_->cost();
@@ -118,9 +120,10 @@ class Search {
         lanczos_problem, {.wanted = wanted, .block = settings_.block, .tolerance = tolerance, .seed = seed});
     set_.solves += found.applied;
     if (!found.converged)
-      throw NumericalError(fmt::format("Lanczos did not converge to {} modes after {} solutions; ask for fewer modes or "
-                                       "use --light-functions linear or degree-p",
-                                       wanted, found.applied));
+      throw NumericalError(
+          fmt::format("Lanczos did not converge to {} modes after {} solutions; ask for fewer modes or "
+                      "use --light-functions linear or degree-p",
+                      wanted, found.applied));
     return found.vectors;
   }
 
@@ -161,7 +164,8 @@ class Search {
     pairs_.rayleigh_ritz(problem_);
     whole_ = whole_count();
     if (whole_ == 0)
-      throw NumericalError("the modes found end inside a multiplet after missed ones were taken in; ask for more modes");
+      throw NumericalError(
+          "the modes found end inside a multiplet after missed ones were taken in; ask for more modes");
   }
 
   void sturm_check() {
@@ -230,8 +234,8 @@ class Search {
                                           "together by too little",
                                           floppy));
     if (count < whole_)
-      set_.warnings.push_back(fmt::format("the last mode belongs to a multiplet; --modes {} gives it whole",
-                                          whole_ - floppy));
+      set_.warnings.push_back(
+          fmt::format("the last mode belongs to a multiplet; --modes {} gives it whole", whole_ - floppy));
     if (r > 0 && free_.lambda.cwiseAbs().maxCoeff() > no_stiffness * first)
       throw NumericalError(fmt::format("a rigid motion has omega² = {:.3g}, the first elastic mode {:.3g}: rounding "
                                        "hides what is rigid; use --light-functions linear or degree-p",
@@ -283,7 +287,8 @@ class Search {
 } // namespace
 
 ModeSet lowest_modes(const EigenProblem& problem, const EigenSettings& settings) {
-  if (settings.modes < 1) throw InputError(fmt::format("{} modes were asked for; ask for at least one", settings.modes));
+  if (settings.modes < 1)
+    throw InputError(fmt::format("{} modes were asked for; ask for at least one", settings.modes));
   ModeSet set;
   Search(problem, settings, set).run();
   return set;

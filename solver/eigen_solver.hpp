@@ -13,8 +13,8 @@ struct EigenProblem {
   const StiffnessMatrix* stiffness = nullptr;
   const MassOperator* mass = nullptr;
   const ConstraintMatrix* constraints = nullptr; ///< C x = 0; may be null
-  Eigen::MatrixXd motions; ///< candidates for rigid modes (rigid_motions); may have no columns
-  double lambda_scale = 1; ///< ω² of the size of the part's first elastic ones: (π c_S / L)²
+  Eigen::MatrixXd motions;                       ///< candidates for rigid modes (rigid_motions); may have no columns
+  double lambda_scale = 1;                       ///< ω² of the size of the part's first elastic ones: (π c_S / L)²
 };
 
 enum class ModeKind {
@@ -31,16 +31,16 @@ struct SturmCount {
 };
 
 struct ModeSet {
-  Eigen::VectorXd lambda;      ///< (modes): ω², ascending within rigid modes, mechanisms, elastic modes
-  std::vector<ModeKind> kind;  ///< (modes)
-  Eigen::VectorXd residual;    ///< (modes): ‖K x - ω² M x‖ / (ω² ‖M x‖); ω² of the first elastic mode below it
-  Eigen::MatrixXd vectors;     ///< (num_unknowns × modes), xᵀ M x = 1, component of largest magnitude positive
+  Eigen::VectorXd lambda;     ///< (modes): ω², ascending within rigid modes, mechanisms, elastic modes
+  std::vector<ModeKind> kind; ///< (modes)
+  Eigen::VectorXd residual; ///< (modes): ‖K x - ω² M x‖ / (ω² ‖M x‖); ω² of the first elastic mode below it
+  Eigen::MatrixXd vectors; ///< (num_unknowns × modes), xᵀ M x = 1, component of largest magnitude positive
   std::int64_t rigid = 0, mechanisms = 0, elastic = 0;
   std::optional<SturmCount> sturm;
   bool searched_again = false; ///< without a Sturm count: a second search beside the modes found looked for missed ones
   std::vector<std::string> warnings;
   FactorCost factor;
-  std::int64_t solves = 0; ///< right-hand sides
+  std::int64_t solves = 0;                             ///< right-hand sides
   std::vector<std::pair<std::string, double>> timings; ///< stage, seconds
 };
 

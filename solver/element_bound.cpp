@@ -78,7 +78,8 @@ std::optional<ElementBound> element_bound(const SolutionSpace& space, const Elas
       }
       // Spans that cannot hold the maximum are passed over; the one that does never is, whatever the order.
       if (quick_bound(work.block, work.square) < largest.load()) continue;
-      const double own = Eigen::SelfAdjointEigenSolver<MatrixXd>(work.block, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
+      const double own =
+          Eigen::SelfAdjointEigenSolver<MatrixXd>(work.block, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
       // Rounding of the dense solver.
       const double safe = own * (1 + 1e-12);
       lambda[static_cast<std::size_t>(a)] = safe;

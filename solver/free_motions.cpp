@@ -68,7 +68,8 @@ void add_supports(const TrimmedModel& model, const Bodies& bodies, std::span<con
         for (std::size_t d = 0; d < static_cast<std::size_t>(fixed.count); ++d) {
           const Eigen::Vector3d e = as_vector(fixed.direction[d]);
           Twist row;
-          row << e, (as_vector(batch.positions[q]) - body.centre).cross(e) / body.radius;
+          row.head<3>() = e;
+          row.tail<3>() = (as_vector(batch.positions[q]) - body.centre).cross(e) / body.radius;
           body.held += batch.weights[q] * row * row.transpose();
         }
       }

@@ -104,13 +104,13 @@ class MumpsSolver final : public LinearSolver {
     mumps_.jcn = entries_.columns.data();
     mumps_.a = entries_.values.data();
     mumps_.perm_in = entries_.position.data();
-    control(6) = 0;   // rows stay in place: the order is given
-    control(7) = 1;   // perm_in
-    control(8) = 0;   // scaled already
-    control(10) = 0;  // no refinement
-    control(12) = 1;  // the order is that of the graph as it is
-    control(13) = 1;  // the root front sequentially too: its pivots' signs are counted
-    control(24) = 1;  // null pivots are found
+    control(6) = 0;  // rows stay in place: the order is given
+    control(7) = 1;  // perm_in
+    control(8) = 0;  // scaled already
+    control(10) = 0; // no refinement
+    control(12) = 1; // the order is that of the graph as it is
+    control(13) = 1; // the root front sequentially too: its pivots' signs are counted
+    control(24) = 1; // null pivots are found
     control(31) = keep_factor ? 0 : 1;
     mumps_.cntl[2] = null_pivot;
     try {
@@ -195,6 +195,8 @@ std::unique_ptr<LinearSolver> factorise_indefinite(const SystemMatrix& system) {
   return std::make_unique<MumpsSolver>(system, true);
 }
 
-Inertia inertia(const SystemMatrix& system) { return MumpsSolver(system, false).counts(); }
+Inertia inertia(const SystemMatrix& system) {
+  return MumpsSolver(system, false).counts();
+}
 
 } // namespace iga::solve

@@ -19,8 +19,7 @@ constexpr double vanished = 1e-13;
 class Basis {
  public:
   Basis(const LanczosProblem& problem, const LanczosSettings& settings)
-      : problem_(problem), n_(problem.size),
-        dimensions_(problem.size - (problem.locked ? problem.locked->cols() : 0)),
+      : problem_(problem), n_(problem.size), dimensions_(problem.size - (problem.locked ? problem.locked->cols() : 0)),
         block_(std::clamp<Index>(settings.block, 1, std::max<Index>(1, dimensions_))), random_(settings.seed) {
     const Index held = settings.max_basis > 0
                            ? settings.max_basis
@@ -107,8 +106,8 @@ class Basis {
     MatrixXd X = V_.leftCols(end_) * S_.leftCols(count);
     const Index b = new_end_ - end_;
     if (b > 0) {
-      const MatrixXd rest = R_.topRows(b) * S_.block(first_, 0, end_ - first_, count) *
-                            theta_.head(count).cwiseInverse().asDiagonal();
+      const MatrixXd rest =
+          R_.topRows(b) * S_.block(first_, 0, end_ - first_, count) * theta_.head(count).cwiseInverse().asDiagonal();
       X.noalias() += V_.middleCols(end_, b) * rest;
     }
     for (Index c = 0; c < count; ++c) {
@@ -133,8 +132,9 @@ class Basis {
       W -= *problem_.locked * (problem_.B_locked->transpose() * W).eval();
   }
 
-  // Makes W B-orthonormal behind the vectors up to end_: W = V_new R; `taken` are the lengths that were taken out of its
-  // columns. A column that vanishes is replaced by a random one (R has zeros there) while the space has dimensions left.
+  // Makes W B-orthonormal behind the vectors up to end_: W = V_new R; `taken` are the lengths that were taken out of
+  // its columns. A column that vanishes is replaced by a random one (R has zeros there) while the space has dimensions
+  // left.
   void append(const MatrixXd& W, const Eigen::VectorXd& taken) {
     const Index b = W.cols();
     R_ = MatrixXd::Zero(block_, b);
@@ -202,7 +202,8 @@ LanczosResult block_lanczos(const LanczosProblem& problem, const LanczosSettings
     if (basis.size() >= wanted || !more || full) {
       basis.ritz();
       const Index count = std::min(wanted, basis.size());
-      const auto good = basis.estimate().head(count).array() <= settings.tolerance * basis.theta().head(count).array().abs();
+      const auto good =
+          basis.estimate().head(count).array() <= settings.tolerance * basis.theta().head(count).array().abs();
       result.converged = good.all();
       if (result.converged || !more || (full && restarts >= settings.max_restarts)) {
         result.theta = basis.theta().head(count);

@@ -22,8 +22,8 @@ struct LanczosProblem {
 
 struct LanczosSettings {
   int wanted = 1;
-  int block = 4;           ///< vectors at a time
-  int max_basis = 0;       ///< vectors held before a restart; 0: a multiple of `wanted`
+  int block = 4;            ///< vectors at a time
+  int max_basis = 0;        ///< vectors held before a restart; 0: a multiple of `wanted`
   double tolerance = 1e-10; ///< ‖F B x - θ x‖_B ≤ tolerance θ
   int max_restarts = 100;
   std::uint64_t seed = 1;

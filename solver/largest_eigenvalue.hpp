@@ -6,10 +6,10 @@
 namespace iga::solve {
 
 struct LargestEigenvalue {
-  double omega = 0;    ///< angular frequency, 1/time; from below
-  double residual = 0; ///< ‖K x - ω² M x‖ in the norm of M⁻¹, over ω² ‖x‖ in that of M
+  double omega = 0;          ///< angular frequency, 1/time; from below
+  double residual = 0;       ///< ‖K x - ω² M x‖ in the norm of M⁻¹, over ω² ‖x‖ in that of M
   std::int64_t products = 0; ///< with K
-  Eigen::VectorXd mode; ///< (num_unknowns), xᵀ M x = 1
+  Eigen::VectorXd mode;      ///< (num_unknowns), xᵀ M x = 1
 };
 
 /// @param tolerance  relative change and error of ω at which the iteration ends: 1e-8 for reports, 1e-3 for time steps

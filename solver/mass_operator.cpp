@@ -25,10 +25,11 @@ void require_positive(const VectorXd& masses) {
   Eigen::Index worst = 0;
   const double least = masses.minCoeff(&worst);
   if (!(least >= 0))
-    throw NumericalError(fmt::format(
-        "the lumped mass of function {} is {:.3g}: the extension of light functions takes more mass from it than it has; "
-        "lower --light-threshold, use --light-functions linear or none, or --mass consistent",
-        worst, least));
+    throw NumericalError(
+        fmt::format("the lumped mass of function {} is {:.3g}: the extension of light functions takes more mass from "
+                    "it than it has; "
+                    "lower --light-threshold, use --light-functions linear or none, or --mass consistent",
+                    worst, least));
 }
 
 } // namespace
@@ -170,10 +171,11 @@ MassOperator make_mass(MassType type, const SolutionSpace& space,
     // Lanczos comes from below; 1 % is ten times its tolerance.
     const double ratio = 1.01 * largest_mass_ratio(*mass.matrix(), *mass.masses());
     if (ratio >= 2)
-      throw InputError(fmt::format("the two-pass mass is not positive definite here: the largest eigenvalue of the "
-                                   "consistent mass over the lumped one is {:.3g}, at most 2 is allowed; lower "
-                                   "--light-threshold (now {:g}; 0.01 has proved safe), or use --mass three-pass or lumped",
-                                   ratio, space.treatment().threshold));
+      throw InputError(
+          fmt::format("the two-pass mass is not positive definite here: the largest eigenvalue of the "
+                      "consistent mass over the lumped one is {:.3g}, at most 2 is allowed; lower "
+                      "--light-threshold (now {:g}; 0.01 has proved safe), or use --mass three-pass or lumped",
+                      ratio, space.treatment().threshold));
   }
   return mass;
 }

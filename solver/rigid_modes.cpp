@@ -65,7 +65,8 @@ Bodies separate_bodies(const NodePattern& pattern) {
   std::vector<std::int32_t> parent(n);
   std::iota(parent.begin(), parent.end(), 0);
   for (std::size_t j = 0; j < n; ++j)
-    for (auto k = static_cast<std::size_t>(pattern.offsets[j]); k < static_cast<std::size_t>(pattern.offsets[j + 1]); ++k) {
+    for (auto k = static_cast<std::size_t>(pattern.offsets[j]); k < static_cast<std::size_t>(pattern.offsets[j + 1]);
+         ++k) {
       const std::int32_t a = root(parent, static_cast<std::int32_t>(j)), b = root(parent, pattern.rows[k]);
       parent[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
     }

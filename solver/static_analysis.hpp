@@ -3,17 +3,10 @@
 
 #include "format/model/results.hpp"
 #include "solver/boundary.hpp"
-#include "solver/loads.hpp"
-#include "solver/recover.hpp"
+#include "solver/read_supports.hpp"
 #include "solver/run_settings.hpp"
 
 namespace iga::solve {
-
-/// What a static run is asked for beyond what every run has.
-struct StaticSettings {
-  std::vector<Load> loads;
-  std::vector<Probe> probes;
-};
 
 /// The solution and what a user checks first.
 struct StaticSolution {
@@ -39,9 +32,5 @@ struct StaticSolution {
 /// @throws InputError for regions without area, points outside the part, and rigid motions that no support resists
 /// @throws NumericalError where the system is singular all the same
 StaticSolution run_static(const RunSettings& run, const StaticSettings& settings, const SolutionSpace& space);
-
-/// The report: one text for people, one JSON object for scripts.
-std::string static_text(const StaticSolution& solution, const SolutionSpace& space);
-std::string static_json(const StaticSolution& solution, const SolutionSpace& space);
 
 } // namespace iga::solve

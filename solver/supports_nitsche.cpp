@@ -21,11 +21,11 @@ namespace {
 // traction is rounding, 1e-15), while a motion with traction and no energy shows as a very large eigenvalue.
 constexpr double kernel_shift = 1e-12;
 
-// Eigenvalues above this multiple of p² max(C) / h ask for a larger patch: a full span gives about 1 … 5.
-constexpr double healthy_multiple = 10;
+// Eigenvalues in units of p² max(C) / h; a full span gives 1 … 5. Above `healthy` a second span is taken, above
+// `tolerable` (a large β costs digits, not accuracy) all neighbours, and `unbounded` means traction without energy.
+constexpr double healthy = 10, tolerable = 30, unbounded = 1e6;
 
-// Eigenvalues above this multiple of a healthy one mean traction without energy: the patch has to grow.
-constexpr double unbounded_multiple = 1e5;
+constexpr int power_steps = 20;
 
 /// One span of one support.
 struct Piece {
@@ -81,6 +81,20 @@ class LocalProblem {
         sum.block<3, 3>(3 * place[r], 3 * place[c]) +=
             factor * block.block<3, 3>(3 * static_cast<Eigen::Index>(r), 3 * static_cast<Eigen::Index>(c));
   }
+  // Largest eigenvalue of G Gᵀ by power iteration: a few per cent too small at most, where β = 2 Λ leaves a factor of
+  // two.
+  static double largest_square(const Eigen::MatrixXd& G) {
+    Eigen::Index widest = 0;
+    G.colwise().squaredNorm().maxCoeff(&widest);
+    Eigen::VectorXd x = G.transpose() * G.col(widest);
+    double eigenvalue = 0;
+    for (int step = 0; step < power_steps && x.norm() > 0; ++step) {
+      x.normalize();
+      x = (G.transpose() * (G * x)).eval();
+      eigenvalue = x.norm();
+    }
+    return eigenvalue;
+  }
   // Largest eigenvalue of traction tractionᵀ x = Λ energy x.
   static double generalised(Eigen::MatrixXd& energy, Eigen::MatrixXd& traction) {
     const double largest = energy.diagonal().maxCoeff();
@@ -93,13 +107,7 @@ class LocalProblem {
     const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(energy);
     if (factor.info() != Eigen::Success) return std::numeric_limits<double>::max();
     factor.matrixL().solveInPlace(traction);
-    Eigen::MatrixXd gram;
-    if (traction.rows() < traction.cols()) {
-      gram = traction * traction.transpose();
-    } else {
-      gram = traction.transpose() * traction;
-    }
-    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(gram, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
+    return largest_square(traction);
   }
 
   const SolutionSpace& space_;
@@ -124,6 +132,28 @@ class Patches {
     if (best >= 0) patch.push_back(best);
     std::sort(patch.begin(), patch.end());
     return patch;
+  }
+  /// The fullest of the eight blocks of 2 × 2 × 2 spans around the span.
+  std::vector<std::int64_t> best_block_of_eight(std::int64_t a) const {
+    std::vector<std::int64_t> best;
+    double most = -1;
+    for (int octant = 0; octant < 8; ++octant) {
+      std::vector<std::int64_t> patch;
+      double filled = 0;
+      for (int corner = 0; corner < 8; ++corner) {
+        Index3 ijk = index(a);
+        for (std::size_t d = 0; d < 3; ++d) ijk[d] += ((corner >> d) & 1) * (((octant >> d) & 1) ? 1 : -1);
+        const std::int64_t b = active_number(ijk);
+        if (b < 0) continue;
+        patch.push_back(b);
+        filled += fraction(b);
+      }
+      if (filled <= most) continue;
+      most = filled;
+      best = std::move(patch);
+    }
+    std::sort(best.begin(), best.end());
+    return best;
   }
   std::vector<std::int64_t> within(std::int64_t a, std::int64_t reach) const {
     std::vector<std::int64_t> patch;
@@ -150,20 +180,19 @@ class Patches {
   const TrimmedModel& model_;
 };
 
-// The smallest patch whose eigenvalue is healthy, else the one with the smallest eigenvalue. Patches of more than the
-// next neighbours cost much: they are for spans whose traction nothing nearer bounds at all.
-void choose_patch(const LocalProblem& local, const Patches& patches, double healthy, std::int64_t reach, Piece& piece) {
+// The smallest patch whose eigenvalue will do, else the one with the smallest eigenvalue; large patches cost much.
+void choose_patch(const LocalProblem& local, const Patches& patches, double unit, std::int64_t reach, Piece& piece) {
   const std::int64_t a = piece.prepared->region.spans[piece.s];
   const auto attempt = [&](std::vector<std::int64_t> patch) {
     Piece candidate{piece.prepared, piece.s, std::move(patch), 0};
     candidate.eigenvalue = local.largest_eigenvalue(candidate, std::vector<double>(candidate.patch.size(), 1.0));
     if (piece.patch.empty() || candidate.eigenvalue < piece.eigenvalue) piece = std::move(candidate);
-    return piece.eigenvalue <= healthy;
   };
-  if (attempt({a}) || attempt(patches.with_best_face_neighbour(a))) return;
-  attempt(patches.within(a, 1));
-  for (std::int64_t r = 2; r <= reach && piece.eigenvalue > unbounded_multiple * healthy; ++r)
-    attempt(patches.within(a, r));
+  attempt({a});
+  if (piece.eigenvalue > healthy * unit) attempt(patches.with_best_face_neighbour(a));
+  if (piece.eigenvalue > tolerable * unit) attempt(patches.best_block_of_eight(a));
+  if (piece.eigenvalue > tolerable * unit) attempt(patches.within(a, 1));
+  for (std::int64_t r = 2; r <= reach && piece.eigenvalue > unbounded * unit; ++r) attempt(patches.within(a, r));
 }
 
 } // namespace
@@ -174,7 +203,7 @@ void nitsche_parameters(const SolutionSpace& space, const ElasticMaterial& mater
   const auto degrees = grid.degree();
   const int p = *std::max_element(degrees.begin(), degrees.end());
   const Point3 h = grid.span_size();
-  const double healthy = healthy_multiple * p * p *
+  const double unit = p * p *
                          Eigen::SelfAdjointEigenSolver<VoigtMatrix>(material.C).eigenvalues().maxCoeff() /
                          *std::min_element(h.begin(), h.end());
   std::vector<Piece> pieces;
@@ -186,7 +215,7 @@ void nitsche_parameters(const SolutionSpace& space, const ElasticMaterial& mater
   const Patches patches(space.model());
   tbb::parallel_for(std::size_t{0}, pieces.size(), [&](std::size_t k) {
     // A function that reaches the span has its whole support within p spans of it.
-    choose_patch(local, patches, healthy, p, pieces[k]);
+    choose_patch(local, patches, unit, p, pieces[k]);
   });
   std::map<std::int64_t, int> sharing;
   for (const Piece& piece : pieces)

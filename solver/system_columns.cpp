@@ -8,7 +8,9 @@ namespace iga::solve {
 
 namespace {
 
-double inverse_root(double diagonal) { return diagonal > 0 ? 1 / std::sqrt(diagonal) : 1; }
+double inverse_root(double diagonal) {
+  return diagonal > 0 ? 1 / std::sqrt(diagonal) : 1;
+}
 
 } // namespace
 

@@ -41,6 +41,7 @@ TimestepOutcome analyse_timestep(const RunSettings& run, const TrimmedModel& mod
   if (run.supports.empty()) outcome.element = element_bound(*system.space, run.material, run.mass);
   if (outcome.element) outcome.dt_element = 2 / outcome.element->omega;
   watch.stage("element bound");
+  outcome.space = std::move(system.space);
   return outcome;
 }
 

@@ -8,10 +8,11 @@ namespace iga::solve {
 
 /// omega in radians per time.
 struct TimestepOutcome {
-  double omega_max = 0;       ///< by Lanczos, to 1e-3, from below
-  double omega_max_bound = 0; ///< 1.01 omega_max: safe
-  double dt_crit = 0;         ///< 2 / omega_max
-  double dt_safe = 0;         ///< 2 / omega_max_bound
+  std::unique_ptr<SolutionSpace> space; ///< lives no longer than the model
+  double omega_max = 0;                 ///< by Lanczos, to 1e-3, from below
+  double omega_max_bound = 0;           ///< 1.01 omega_max: safe
+  double dt_crit = 0;                   ///< 2 / omega_max
+  double dt_safe = 0;                   ///< 2 / omega_max_bound
   std::optional<ElementBound> element;
   double dt_element = 0; ///< 2 / element->omega; 0 where there is no such bound
   std::int64_t unknowns = 0, products = 0;

@@ -123,6 +123,27 @@ SettingsTable SettingsTable::table(std::string_view key) {
   return {file_, full, node ? node->as_table() : nullptr};
 }
 
+std::vector<SettingsTable> SettingsTable::tables(std::string_view key) {
+  const std::string full = join(path_, key);
+  file_->known.insert(full);
+  const toml::node* node = node_of(node_, key);
+  if (!node) return {};
+  if (!node->is_array() || !node->as_array()->is_homogeneous(toml::node_type::table))
+    refuse(file_->path, full, *node, fmt::format("tables, each written as [[{}]]", full));
+  std::vector<SettingsTable> entries;
+  for (const toml::node& entry : *node->as_array())
+    entries.push_back(SettingsTable(file_, full, entry.as_table()));
+  return entries;
+}
+
+std::string SettingsTable::where(std::string_view key) const {
+  const toml::node* node = node_of(node_, key);
+  if (!node && node_) node = static_cast<const toml::table*>(node_);
+  const std::string place = spoken(join(path_, key));
+  return node ? fmt::format("{}:{}: {}", file_->path.string(), node->source().begin.line, place)
+              : fmt::format("{}: {}", file_->path.string(), place);
+}
+
 std::optional<bool> SettingsTable::boolean(std::string_view key) {
   const std::string full = join(path_, key);
   file_->known.insert(full);
@@ -184,6 +205,9 @@ void SettingsTable::refuse_unknown_keys() const {
     const std::string full = join(path_, key.str());
     if (file_->known.contains(full)) {
       if (node.is_table()) SettingsTable(file_, full, node.as_table()).refuse_unknown_keys();
+      if (node.is_array())
+        for (const toml::node& entry : *node.as_array())
+          if (entry.is_table()) SettingsTable(file_, full, entry.as_table()).refuse_unknown_keys();
       continue;
     }
     // The same name in another table is the likeliest slip, then a misspelt name of this table.

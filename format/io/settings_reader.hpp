@@ -23,6 +23,9 @@ class SettingsTable {
 
   /// A sub-table; an absent one is empty (its keys still count as known).
   SettingsTable table(std::string_view key);
+  /// A list of tables, written as [[key]] any number of times; empty where there is none. Every entry has to be asked
+  /// for the same keys.
+  std::vector<SettingsTable> tables(std::string_view key);
   std::optional<bool> boolean(std::string_view key);
   std::optional<std::string> text(std::string_view key);
   std::optional<double> number(std::string_view key);
@@ -32,6 +35,10 @@ class SettingsTable {
   std::optional<std::vector<std::int64_t>> integers(std::string_view key, std::initializer_list<std::size_t> lengths);
   /// True where the key holds a string: for keys that take either a word or numbers.
   bool holds_text(std::string_view key) const;
+
+  /// "file:line: 'key' in [table]": opens a message about a value of the right type that makes no sense; the line of the
+  /// table where the key is absent.
+  std::string where(std::string_view key) const;
 
   /// Call on the root after every key was asked for. @throws InputError naming the line and the nearest known key
   void refuse_unknown_keys() const;

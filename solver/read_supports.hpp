@@ -1,0 +1,22 @@
+// [[support]], [[load]] and [[probe]] of a run file.
+#pragma once
+
+#include "format/io/settings_reader.hpp"
+#include "solver/boundary.hpp"
+#include "solver/loads.hpp"
+#include "solver/recover.hpp"
+
+namespace iga::solve {
+
+/// What a static run is asked for beyond what every run has.
+struct StaticSettings {
+  std::vector<Load> loads;
+  std::vector<Probe> probes;
+};
+
+/// The keys are listed in README.md, run file. Unknown keys are refused by the root table afterwards.
+/// @throws InputError with file and line for values that make no sense
+std::vector<Support> read_supports(io::SettingsTable& root);
+StaticSettings read_static_settings(io::SettingsTable& root);
+
+} // namespace iga::solve
