@@ -18,6 +18,7 @@ import argparse
 import hashlib
 import json
 import platform
+import shlex
 import shutil
 import sys
 import time
@@ -36,7 +37,11 @@ SAMPLES_PER_SIZE = 6  # spacing of the STL's samples in a search for closest poi
 
 
 class ComparisonError(Exception):
-    """A program is missing, failed, or was asked for what it cannot do."""
+    """A program is missing, or was asked for what it cannot do."""
+
+
+class RunError(Exception):
+    """One run failed; the others go on."""
 
 
 def program(name, package, hint=None):
@@ -102,8 +107,8 @@ class TrimmedSplines:
                                        f"{name}.igasolve")
         elastic = solved["frequencies"][solved["rigid_modes"]:][:options.modes]
         if solved["rigid_modes"] != calculix.RIGID_MODES or len(elastic) != options.modes:
-            raise ComparisonError(f"igasolve found {solved['rigid_modes']} rigid and {len(elastic)} elastic modes, expected "
-                                  f"{calculix.RIGID_MODES} and {options.modes}")
+            raise RunError(f"igasolve found {solved['rigid_modes']} rigid and {len(elastic)} elastic modes, expected "
+                           f"{calculix.RIGID_MODES} and {options.modes}")
         return {"method": f"p{degree}", "size": f"{span:g}", "points": prepared["points"],
                 "elements": prepared["spans"]["interior"] + prepared["spans"]["trimmed"],
                 "unknowns": solved.get("unknowns", 3 * prepared["functions"]), "volume": prepared["volume"],
@@ -117,34 +122,34 @@ class TrimmedSplines:
         measured = measured_run(command, log, None, self.options.threads)
         words = log.read_text()
         if measured["exit_code"] != 0 or "{" not in words:
-            raise ComparisonError(f"{Path(command[0]).name} ended with exit code {measured['exit_code']}: {last_words(log)}")
+            raise RunError(f"{Path(command[0]).name} ended with exit code {measured['exit_code']}: {last_words(log)}")
         found, _ = json.JSONDecoder().raw_decode(words, words.index("{"))
         return measured, found
 
 
 def all_runs(options, stored):
-    """Runs of both ways, coarse to fine; a result that may be reused is taken from `stored`."""
-    results = []
+    """Runs of both ways, coarse to fine, and how many failed; a result that may be reused is taken from `stored`."""
+    results, failed = [], 0
     plan = [("fem", "C3D4", size) for size in options.linear_sizes]
     plan += [("fem", "C3D10", size) for size in options.quadratic_sizes]
     plan += [("iga", degree, span) for degree in options.degrees for span in options.spans]
-    makers = {}
-    for way, kind, size in plan:
-        if options.only not in (None, way):
-            continue
-        key = (kind if way == "fem" else f"p{kind}", size if way == "fem" else f"{size:g}")
-        if options.reuse in (way, "all") and key in stored:
+    plan = [(way, kind, size, (kind if way == "fem" else f"p{kind}", size if way == "fem" else f"{size:g}"))
+            for way, kind, size in plan if options.only in (None, way)]
+    reused = {key for way, _, _, key in plan if options.reuse in (way, "all") and key in stored}
+    makers = {way: (FiniteElements if way == "fem" else TrimmedSplines)(options)
+              for way in {way for way, _, _, key in plan if key not in reused}}
+    for way, kind, size, key in plan:
+        if key in reused:
             results.append(stored[key] | {"reused": True})
             continue
-        if way not in makers:
-            makers[way] = (FiniteElements if way == "fem" else TrimmedSplines)(options)
         print(f"{key[0]:6} size {key[1]:>4} …", file=sys.stderr, flush=True)
         try:
             results.append(makers[way].run(kind, size) | {"reused": False})
-        except (tet_mesh.MeshError, calculix.CalculixError) as error:
+        except (tet_mesh.MeshError, calculix.CalculixError, RunError) as error:
+            failed += 1
             print(f"  left out: {error}", file=sys.stderr)
         write_json(options, results)
-    return results
+    return results, failed
 
 
 # --------------------------------------------------------------------------------------------------- what is kept on disk
@@ -201,8 +206,9 @@ def parse(words):
     parser.add_argument("--nu", type=float, default=0.3, help="Poisson's ratio [0.3]")
     parser.add_argument("--rho", type=float, default=6e-11, help="density [6e-11]")
     parser.add_argument("--threads", type=int, default=1, help="threads of every program [1]")
-    parser.add_argument("--igaprep", nargs="*", default=[], metavar="WORD", help="more words for igaprep, after a =")
-    parser.add_argument("--igasolve", nargs="*", default=[], metavar="WORD", help="more words for igasolve eigen")
+    parser.add_argument("--igaprep", type=shlex.split, default=[], metavar="WORDS", help="more words for igaprep, after a =")
+    parser.add_argument("--igasolve", type=shlex.split, default=["--no-sturm"], metavar="WORDS",
+                        help="more words for igasolve eigen, after a = [--no-sturm: CalculiX proves no completeness either]")
     parser.add_argument("--only", choices=("fem", "iga"), help="one of the two ways alone")
     parser.add_argument("--reuse", choices=("fem", "iga", "all"), help="take these results from an earlier run's file")
     parser.add_argument("--quick", action="store_true", help="coarse sizes alone")
@@ -225,12 +231,12 @@ def main(words=None):
             raise ComparisonError(f"{options.stl}: no such file; the foam part comes from the target sample_parts")
         options.output.mkdir(parents=True, exist_ok=True)
         options.output = options.output.resolve()
-        results = all_runs(options, stored_results(options))
+        results, failed = all_runs(options, stored_results(options))
         write_json(options, results)
         reference = comparison_report.finest_quadratic(results)
         if reference is None:
             print("no 10-node solution to compare with: frequencies alone are in comparison.json", file=sys.stderr)
-            return 0
+            return 1 if failed else 0
         comparison_report.add_errors(results, reference)
         text = f"{options.stl.name}, {options.threads} thread(s) per program, {machine()}\n\n" \
             + comparison_report.tables(results, reference, comparison_report.richardson(results))
@@ -239,10 +245,10 @@ def main(words=None):
         comparison_report.write_csv(options.output / "frequencies.csv", results)
         comparison_report.draw(options.output / "comparison.png", results, reference)
         write_json(options, results)
+        return 1 if failed else 0
     except ComparisonError as error:
         print(f"compare_fem.py: {error}", file=sys.stderr)
         return 2
-    return 0
 
 
 if __name__ == "__main__":

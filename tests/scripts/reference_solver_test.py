@@ -117,6 +117,35 @@ class ReferenceSolverTest(unittest.TestCase):
                 self.assertAlmostEqual(report["omega_max"] / known[str(degree), theta], 1, delta=1e-6)
                 self.assertAlmostEqual(report["dt_crit"] * report["omega_max"], 2, delta=1e-12)
 
+    def igasolve(self, path, *words):
+        done = subprocess.run([IGASOLVE, "eigen", path, *material_words(), "--light-functions", "none", "--json", "--threads",
+                               "2", *map(str, words)], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return json.loads(done.stdout)
+
+    def test_igasolve_finds_the_same_eigenvalues(self):
+        boxed = ("--box", -0.31, -0.31, -0.31, 1.49, 1.49, 1.49, "--spans", 6)
+        parts = [("rotated cube, p = 2", self.rotated_cube(2, 3)),
+                 ("trimmed cube, p = 2", self.model("boxed2", self.path / "cube.stl", "--degree", 2, *boxed)),
+                 ("trimmed cube, p = 3", self.model("boxed3", self.path / "cube.stl", "--degree", 3, *boxed)),
+                 ("two cubes, p = 1", self.model("two1", self.path / "two.stl", "--degree", 1, "--span-size", 0.3))]
+        C = reference.isotropic(STEEL["E"], STEEL["nu"])
+        for name, path in parts:
+            with self.subTest(name):
+                ours, theirs = reference.solve(path, C, STEEL["rho"], 12), self.igasolve(path, "--modes", 12)
+                for key in ("rigid_modes", "unknowns"):
+                    self.assertEqual(ours[key], theirs[key])
+                rigid = ours["rigid_modes"]
+                eigenvalues = [np.square(report["frequencies"][rigid:]) for report in (ours, theirs)]
+                self.assertEqual(len(eigenvalues[1]), 12)
+                np.testing.assert_allclose(*eigenvalues, rtol=1e-8)
+
+    def test_igasolve_finds_the_same_largest_frequency(self):
+        path = self.rotated_cube(2, 3)
+        ours = reference.solve(path, reference.isotropic(STEEL["E"], STEEL["nu"]), STEEL["rho"], only_largest=True)
+        theirs = self.igasolve(path, "--largest", "--mass", "lumped")
+        self.assertAlmostEqual(theirs["omega_max"] / ours["omega_max"], 1, delta=1e-8)
+
     def test_wrong_input_is_refused_with_a_reason(self):
         path = self.rotated_cube(2, 3)
         damaged = self.path / "damaged.h5"
