@@ -88,10 +88,11 @@ class Model:
     def point_spans(self, group="/quadrature"):
         """Index triples (i, j, k) of the spans that own the points of a group: (n, 3)."""
         owners = np.repeat(self["/spans/active"], np.diff(self[group + "/offsets"]))
-        return self._split(owners, self.spans)
+        return self.split_numbers(owners, self.spans)
 
     @staticmethod
-    def _split(numbers, extents):
+    def split_numbers(numbers, extents):
+        """Index triples (n, 3) of linear numbers (n) in a grid of `extents`, u fastest."""
         return np.stack([numbers % extents[0], numbers // extents[0] % extents[1], numbers // (extents[0] * extents[1])], 1)
 
     def control_points(self, numbers):
@@ -99,7 +100,7 @@ class Model:
         rows are the positions of the Greville parameters."""
         if "/patch/control_points" in self.data:
             return self["/patch/control_points"][numbers]
-        ijk = self._split(numbers.ravel(), self.functions)
+        ijk = self.split_numbers(numbers.ravel(), self.functions)
         u = np.stack([sum(self.knots[d][ijk[:, d] + a] for a in range(1, self.degree[d] + 1)) / self.degree[d]
                       for d in range(3)], 1)
         patch = self.attributes["/patch"]
@@ -146,7 +147,7 @@ class Model:
 
     def vertex_positions(self):
         """Positions of the surface's vertices from their parameters: (n, 3)."""
-        spans = self._split(self["/surface/vertex_span"], self.spans)
+        spans = self.split_numbers(self["/surface/vertex_span"], self.spans)
         numbers, N = self.functions_at(spans, self["/surface/vertex_parameters"])
         return np.einsum("qi,qid->qd", N, self.control_points(numbers))
 
@@ -175,7 +176,7 @@ class Model:
             np.add.at(total, numbers.ravel(), (N * self["/quadrature/weights"][block, None]).ravel())
         active = self["/functions/active"]
         whole = np.ones(len(active))
-        for d, index in enumerate(self._split(active, self.functions).T):
+        for d, index in enumerate(self.split_numbers(active, self.functions).T):
             p = self.degree[d]
             whole *= (self.knots[d][index + p + 1] - self.knots[d][index]) / (p + 1)
         return total[active] / whole

@@ -72,7 +72,7 @@ def assemble(model, C, rho):
     """Sparse K (3 n, 3 n) and M (n, n), the consistent mass of one component; n active functions in the file's order."""
     active = model["/functions/active"]
     offsets, weights, parameters = (model["/quadrature/" + name] for name in ("offsets", "weights", "parameters"))
-    spans = model._split(model["/spans/active"], model.spans)
+    spans = model.split_numbers(model["/spans/active"], model.spans)
     numbers = np.searchsorted(active, model.numbers_at(spans))  # (spans, m)
     n, m = len(active), numbers.shape[1]
     K, M = sparse.csr_matrix((3 * n, 3 * n)), sparse.csr_matrix((n, n))
@@ -104,7 +104,7 @@ def assemble(model, C, rho):
 
 def length_scale(model):
     """Largest extent of the spans that hold material."""
-    ijk = model._split(model["/spans/active"], model.spans)
+    ijk = model.split_numbers(model["/spans/active"], model.spans)
     ends = [(model.knots[d][ijk[:, d].min() + p], model.knots[d][ijk[:, d].max() + p + 1])
             for d, p in enumerate(model.degree)]
     return max(high - low for low, high in ends)
