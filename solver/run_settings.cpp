@@ -118,6 +118,8 @@ TypedRun read_run_file(const std::filesystem::path& file) {
   io::SettingsTable results = root.table("results");
   t.subdivide = results.integer("subdivide");
   t.viewer = results.boolean("viewer");
+  t.supports = read_supports(root);
+  t.statics = read_static_settings(root);
   root.refuse_unknown_keys();
   return t;
 }
@@ -169,6 +171,7 @@ RunSettings validate_run(const TypedRun& typed, Analysis analysis) {
     run.light.threshold = *typed.light_threshold;
   }
   run.supports = typed.supports;
+  run.statics = typed.statics;
   if (typed.modes) run.eigen.modes = whole("modes", *typed.modes, 1, 1'000'000);
   run.eigen.sturm = typed.sturm;
   if (typed.subdivide) run.subdivide = whole("subdivide", *typed.subdivide, 1, 64);
