@@ -112,7 +112,7 @@ class CubeTest(unittest.TestCase):
             self.assertEqual(runs["C3D10", "0.2"]["points"], 4 * runs["C3D4", "0.2"]["points"])
             self.assertEqual(runs["C3D10", "0.2"]["max_error"], 0)
             self.assertIn("reference", done.stdout)
-            self.assertEqual(len(list(csv.reader((out / "frequencies.csv").open()))), 1 + len(runs))
+            self.assertEqual(len(list(csv.reader((out / "frequencies.csv").read_text().splitlines()))), 1 + len(runs))
             self.assertTrue((out / "comparison.png").exists())
             again = subprocess.run([SCRIPT, *words, "--reuse", "all"], capture_output=True, text=True)
             self.assertEqual(again.returncode, 0, again.stderr)
