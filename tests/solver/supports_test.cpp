@@ -149,8 +149,6 @@ TEST(Nitsche, IsPositiveDefiniteOnAnyCut) {
   for (const int p : {1, 2})
     for (const double layer : {1.0, 0.5, 1e-1, 1e-2, 1e-3, 1e-4})
       for (const LightTreatment& treatment : {usual(), LightTreatment{}}) {
-        if (treatment.remedy == LightFunctions::None && layer < 1e-3)
-          continue; // functions without material to speak of
         BoxCase box;
         box.B = {7, 7, 7};
         box.spans = {7, 7, 7};
@@ -169,7 +167,7 @@ TEST(Nitsche, IsPositiveDefiniteOnAnyCut) {
         const Eigen::MatrixXd scaled = scale.asDiagonal() * dense(K) * scale.asDiagonal();
         const double least =
             Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled, Eigen::EigenvaluesOnly).eigenvalues()[0];
-        EXPECT_GT(least, 1e-13) << "p " << p << ", layer " << layer;
+        EXPECT_GT(least, 1e-13) << "p " << p << ", layer " << layer << " " << least;
       }
 }
 
