@@ -17,6 +17,11 @@ namespace {
 // the size of rounding. The change only touches combinations that hold a share of 1e-13 of their parts' energy.
 constexpr double roundings[]{0, 1e-14, 1e-13};
 
+// Ratio of the smallest to the largest pivot of a scaled system without a shift below which it counts as singular: a
+// free body leaves pivots of rounding, some of them positive, while those of supported, even slender parts are larger
+// by many orders.
+constexpr double singular = 1e-13;
+
 class CholeskySolver final : public LinearSolver {
  public:
   CholeskySolver(const SystemColumns& columns, const std::vector<std::int64_t>& order, bool definite_by_nature,
@@ -98,12 +103,16 @@ class CholeskySolver final : public LinearSolver {
         throw InputError(fmt::format("not enough memory for the factor of {} unknowns ({:.3g} nonzeros); use larger "
                                      "spans or a lower degree",
                                      size(), static_cast<double>(cost_.nonzeros)));
-      if (common_->status != CHOLMOD_NOT_POSDEF) return;
+      if (common_->status != CHOLMOD_NOT_POSDEF &&
+          (definite_by_nature || cholmod_l_rcond(factor_, common_.get()) > singular))
+        return;
     }
     const auto* permutation = static_cast<const SuiteSparse_long*>(factor_->Perm);
     const auto k = static_cast<std::int64_t>(factor_->minor);
-    throw NumericalError(fmt::format("the system's matrix is not positive definite (unknown {} of {}): {}",
-                                     k < size() ? permutation[k] : k, size(), advice));
+    throw NumericalError(
+        k < size() ? fmt::format("the system's matrix is not positive definite (unknown {} of {}): {}", permutation[k],
+                                 size(), advice)
+                   : fmt::format("the system's matrix is singular to rounding ({} unknowns): {}", size(), advice));
   }
 
   Eigen::VectorXd scale_;

@@ -33,6 +33,7 @@ std::int32_t root(std::vector<std::int32_t>& parent, std::int32_t i) {
 
 // An M-orthonormal basis of the span of V; directions without mass are dropped.
 MatrixXd orthonormal(const MatrixXd& V, const MatrixXd& MV) {
+  if (V.cols() == 0) return V;
   MatrixXd G = V.transpose() * MV;
   const VectorXd scale = G.diagonal().unaryExpr([](double g) { return g > 0 ? 1 / std::sqrt(g) : 0.0; });
   G = scale.asDiagonal() * G * scale.asDiagonal();
@@ -115,17 +116,15 @@ FreeMotions free_motions(const StiffnessMatrix& K, const MassOperator& M, const 
   };
   MatrixXd V = orthonormal(motions, apply(M, motions));
   V = unconstrained(V, constraints);
-  const MatrixXd stiffness = V.transpose() * apply(K, V);
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(0.5 * (stiffness + stiffness.transpose()));
-  const Index count = V.cols() > 0 ? (eigen.eigenvalues().array() < free_energy * lambda_scale).count() : 0;
-  if (count > 0) {
-    const MatrixXd kept = V * eigen.eigenvectors().leftCols(count);
-    free.vectors = orthonormal(kept, apply(M, kept));
-  } else {
-    free.vectors.resize(motions.rows(), 0);
+  if (V.cols() > 0) {
+    const MatrixXd stiffness = V.transpose() * apply(K, V);
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(0.5 * (stiffness + stiffness.transpose()));
+    const Index count = (eigen.eigenvalues().array() < free_energy * lambda_scale).count();
+    V = (V * eigen.eigenvectors().leftCols(count)).eval();
   }
+  free.vectors = orthonormal(V, apply(M, V));
   free.mass_vectors = apply(M, free.vectors);
-  free.lambda = (free.vectors.cwiseProduct(apply(K, free.vectors))).colwise().sum().transpose();
+  free.lambda = free.vectors.cwiseProduct(apply(K, free.vectors)).colwise().sum().transpose();
   return free;
 }
 

@@ -57,6 +57,11 @@ VoigtMatrix elasticity(const std::vector<double>& C) {
 ElasticMaterial material_of(const TypedRun& typed, Analysis analysis) {
   if (!typed.rho && analysis != Analysis::Static)
     throw InputError("material: the density is missing; give --rho or rho in [material]");
+  for (const Load& load : typed.statics.loads)
+    if (!typed.rho && analysis == Analysis::Static && load.kind == LoadKind::Acceleration)
+      throw InputError(fmt::format("material: the density is missing, but load '{}' is an acceleration; give --rho or "
+                                   "rho in [material]",
+                                   load.name));
   const double rho = typed.rho.value_or(1); // statics do not feel it
   if (typed.C) {
     if (typed.E || typed.nu) throw InputError("material: give either C or E and nu, not both");

@@ -10,20 +10,70 @@
 
 namespace iga::test {
 
-/// A cube or rod with `spans` spans of equal size inside a margin of `degree` spans; `cut` is the depth (in spans) to
-/// which the outermost spans are filled on the upper sides.
-inline BoxCase box_in_grid(const Point3& size, const Index3& spans, int degree, double cut = 1) {
+/// A box of about `size` with `spans` spans of equal size inside a margin of `degree` spans; `cut` is the depth (in
+/// spans) to which the last spans on the upper sides are filled. Faces on knots lie there to the last bit.
+inline BoxCase box_in_grid(const Point3& size, const Index3& spans, const std::array<int, 3>& degree,
+                           const Point3& cut) {
   BoxCase box;
-  box.degree = {degree, degree, degree};
+  box.degree = degree;
   for (std::size_t d = 0; d < 3; ++d) {
-    const double h = size[d] / (static_cast<double>(spans[d]) - 1 + cut);
-    box.spans[d] = spans[d] + 2 * degree;
-    box.A[d] = -degree * h;
+    const double h = size[d] / (static_cast<double>(spans[d]) - 1 + cut[d]);
+    box.spans[d] = spans[d] + 2 * degree[d];
+    box.A[d] = -degree[d] * h;
     box.B[d] = box.A[d] + static_cast<double>(box.spans[d]) * h;
-    box.lower[d] = 0;
-    box.upper[d] = size[d];
+  }
+  const SplineGrid grid(box.A, box.B, box.spans, box.degree);
+  for (std::size_t d = 0; d < 3; ++d) {
+    const KnotVector& knots = grid.knots(static_cast<int>(d));
+    const std::int64_t last = degree[d] + spans[d] - 1;
+    box.lower[d] = knots.lower(degree[d]);
+    box.upper[d] =
+        cut[d] == 1 ? knots.upper(last) : knots.lower(last) + cut[d] * (knots.upper(last) - knots.lower(last));
   }
   return box;
+}
+inline BoxCase box_in_grid(const Point3& size, const Index3& spans, int degree, double cut = 1) {
+  return box_in_grid(size, spans, {degree, degree, degree}, {cut, cut, cut});
+}
+
+/// Two equal boxes of two spans each way, so far apart along x that they share no function: a long box whose spans in
+/// between are taken out of the list of active ones. Only what a solution space reads is kept in order.
+inline TrimmedModel make_two_boxes() {
+  TrimmedModel long_box = make_box_model(box_in_grid({8, 1, 1}, {16, 2, 2}, 2)), model = long_box;
+  const auto keep = [&](const Index3& span) { return span[0] < 4 || span[0] >= 16; };
+  model.active.clear();
+  model.volume_fraction.clear();
+  model.points = {};
+  model.points.offsets = {0};
+  std::vector<bool> used(static_cast<std::size_t>(long_box.grid.num_functions()), false);
+  for (std::size_t a = 0; a < long_box.active.size(); ++a) {
+    const Index3 span = long_box.grid.span_index(long_box.active[a]);
+    if (!keep(span)) {
+      model.state[static_cast<std::size_t>(long_box.active[a])] = 0;
+      continue;
+    }
+    model.active.push_back(long_box.active[a]);
+    model.volume_fraction.push_back(long_box.volume_fraction[a]);
+    for (auto q = long_box.points.offsets[a]; q < long_box.points.offsets[a + 1]; ++q) {
+      const double* u = &long_box.points.parameters[3 * static_cast<std::size_t>(q)];
+      model.points.parameters.insert(model.points.parameters.end(), u, u + 3);
+      model.points.weights.push_back(long_box.points.weights[static_cast<std::size_t>(q)]);
+    }
+    model.points.offsets.push_back(static_cast<std::int64_t>(model.points.weights.size()));
+    for (std::int64_t k = 0; k < 3; ++k)
+      for (std::int64_t j = 0; j < 3; ++j)
+        for (std::int64_t i = 0; i < 3; ++i)
+          used[static_cast<std::size_t>(long_box.grid.function_number({span[0] + i, span[1] + j, span[2] + k}))] = true;
+  }
+  model.points.residual.assign(model.active.size(), 0);
+  model.active_functions.clear();
+  model.mass_fraction.clear();
+  for (std::size_t f = 0; f < used.size(); ++f)
+    if (used[f]) {
+      model.active_functions.push_back(static_cast<std::int64_t>(f));
+      model.mass_fraction.push_back(1);
+    }
+  return model;
 }
 
 struct System {
