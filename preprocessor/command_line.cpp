@@ -103,15 +103,15 @@ void add_options(CLI::App& app, Raw& raw, TypedSettings& t, CommandLine& line) {
   app.add_option("--scale", t.scale, "Factor on all coordinates [1]")->group(surface);
   app.add_option("--length-unit", t.length_unit, "Label of the length unit, e.g. mm")->group(surface);
   app.add_option("--title", t.title, "Title in the file [name of the surface]")->group(surface);
-  app.add_flag("--repair,!--no-repair", t.repair,
-               "Allow changes of shape: fill holes, resolve self-intersections, unite bodies")
+  io::add_switch(app, "--repair,!--no-repair", t.repair,
+                 "Allow changes of shape: fill holes, resolve self-intersections, unite bodies")
       ->group(surface);
-  app.add_flag("--wrap,!--no-wrap", t.wrap, "Last resort: alpha wrapping")->group(surface);
+  io::add_switch(app, "--wrap,!--no-wrap", t.wrap, "Last resort: alpha wrapping")->group(surface);
   app.add_option("--wrap-alpha", t.wrap_alpha, "Smallest detail of the wrapping, length [diagonal / 50]")
       ->group(surface);
   app.add_option("--wrap-offset", t.wrap_offset, "Distance of the wrapping, length [alpha / 30]")->group(surface);
   app.add_option("--region-angle", t.region_angle, "Split regions at edges sharper than this, degrees")->group(surface);
-  app.add_flag("--accept-leaks,!--no-accept-leaks", t.accept_leaks, "Go on with a surface that is not closed")
+  io::add_switch(app, "--accept-leaks,!--no-accept-leaks", t.accept_leaks, "Go on with a surface that is not closed")
       ->group(surface);
 
   const std::string grid = "Grid";
@@ -130,8 +130,8 @@ void add_options(CLI::App& app, Raw& raw, TypedSettings& t, CommandLine& line) {
   app.add_option("--rotate-axis-angle", raw.rotate_axis_angle, "The same as axis and angle in degrees")
       ->type_name("X Y Z DEG")
       ->group(grid);
-  app.add_flag("--optimise-offset,!--no-optimise-offset", t.optimise_offset,
-               "Shift the grid within one span so that fewest functions are light")
+  io::add_switch(app, "--optimise-offset,!--no-optimise-offset", t.optimise_offset,
+                 "Shift the grid within one span so that fewest functions are light")
       ->group(grid);
 
   const std::string quadrature = "Trimming and quadrature";

@@ -43,6 +43,24 @@ def basis(knots, degree, span, u):
     return values
 
 
+def basis_derivatives(knots, degree, span, u):
+    """First derivatives of the functions of basis(): (n, degree + 1), per length of the parameter.
+
+    N'_{i,p} = p N_{i,p-1} / (knots[i+p] - knots[i]) - p N_{i+1,p-1} / (knots[i+p+1] - knots[i+1]), terms without length 0.
+    """
+    span = np.asarray(span)
+    k = span + degree
+    lower = np.zeros((len(span), degree + 2))  # column 1 + j holds N_{span+1+j, degree-1}; both ends are zero
+    lower[:, 1:-1] = basis(knots[1:-1], degree - 1, span, u)
+    derivatives = np.empty((len(span), degree + 1))
+    for column in range(degree + 1):
+        i = k - degree + column
+        left, right = knots[i + degree] - knots[i], knots[i + degree + 1] - knots[i + 1]
+        derivatives[:, column] = degree * (np.where(left > 0, lower[:, column] / np.where(left > 0, left, 1), 0)
+                                           - np.where(right > 0, lower[:, column + 1] / np.where(right > 0, right, 1), 0))
+    return derivatives
+
+
 class Model:
     """A file's arrays under the names of their datasets: model["/quadrature/weights"]; attributes by model.attribute()."""
 
@@ -70,10 +88,11 @@ class Model:
     def point_spans(self, group="/quadrature"):
         """Index triples (i, j, k) of the spans that own the points of a group: (n, 3)."""
         owners = np.repeat(self["/spans/active"], np.diff(self[group + "/offsets"]))
-        return self._split(owners, self.spans)
+        return self.split_numbers(owners, self.spans)
 
     @staticmethod
-    def _split(numbers, extents):
+    def split_numbers(numbers, extents):
+        """Index triples (n, 3) of linear numbers (n) in a grid of `extents`, u fastest."""
         return np.stack([numbers % extents[0], numbers // extents[0] % extents[1], numbers // (extents[0] * extents[1])], 1)
 
     def control_points(self, numbers):
@@ -81,7 +100,7 @@ class Model:
         rows are the positions of the Greville parameters."""
         if "/patch/control_points" in self.data:
             return self["/patch/control_points"][numbers]
-        ijk = self._split(numbers.ravel(), self.functions)
+        ijk = self.split_numbers(numbers.ravel(), self.functions)
         u = np.stack([sum(self.knots[d][ijk[:, d] + a] for a in range(1, self.degree[d] + 1)) / self.degree[d]
                       for d in range(3)], 1)
         patch = self.attributes["/patch"]
@@ -98,11 +117,26 @@ class Model:
     def functions_at(self, spans, parameters):
         """Numbers (n, m) and values (n, m) of the functions of given spans (n, 3) at given parameters (n, 3)."""
         values = [basis(self.knots[d], self.degree[d], spans[:, d], parameters[:, d]) for d in range(3)]
-        N = np.einsum("qc,qb,qa->qcba", values[2], values[1], values[0]).reshape(len(parameters), -1)
+        return self.numbers_at(spans), self._products(values)
+
+    def numbers_at(self, spans):
+        """Numbers (n, m) of the functions of spans (n, 3), in the order of functions_at()."""
         i, j, k = (spans[:, d, None] + np.arange(self.degree[d] + 1) for d in range(3))
         n_u, n_v, _ = self.functions
-        numbers = i[:, None, None, :] + n_u * (j[:, None, :, None] + n_v * k[:, :, None, None])
-        return numbers.reshape(len(parameters), -1), N
+        return (i[:, None, None, :] + n_u * (j[:, None, :, None] + n_v * k[:, :, None, None])).reshape(len(spans), -1)
+
+    @staticmethod
+    def _products(factors):
+        """Tensor products (n, m) of univariate factors in u, v, w; u runs fastest."""
+        return np.einsum("qc,qb,qa->qcba", factors[2], factors[1], factors[0]).reshape(len(factors[0]), -1)
+
+    def gradients_at(self, spans, parameters):
+        """Gradients (n, m, 3) in space of the functions of functions_at(): those in the grid's frame, rotated."""
+        arguments = [(self.knots[d], self.degree[d], spans[:, d], parameters[:, d]) for d in range(3)]
+        values, slopes = [basis(*a) for a in arguments], [basis_derivatives(*a) for a in arguments]
+        in_grid = np.stack([self._products([slopes[d] if d == along else values[d] for d in range(3)])
+                            for along in range(3)], 2)
+        return in_grid @ self.attributes["/patch"]["rotation"].T
 
     def positions(self, group="/quadrature"):
         """Positions of a group's points from x(u) = sum N_i(u) P_i: (n, 3)."""
@@ -113,7 +147,7 @@ class Model:
 
     def vertex_positions(self):
         """Positions of the surface's vertices from their parameters: (n, 3)."""
-        spans = self._split(self["/surface/vertex_span"], self.spans)
+        spans = self.split_numbers(self["/surface/vertex_span"], self.spans)
         numbers, N = self.functions_at(spans, self["/surface/vertex_parameters"])
         return np.einsum("qi,qid->qd", N, self.control_points(numbers))
 
@@ -142,7 +176,7 @@ class Model:
             np.add.at(total, numbers.ravel(), (N * self["/quadrature/weights"][block, None]).ravel())
         active = self["/functions/active"]
         whole = np.ones(len(active))
-        for d, index in enumerate(self._split(active, self.functions).T):
+        for d, index in enumerate(self.split_numbers(active, self.functions).T):
             p = self.degree[d]
             whole *= (self.knots[d][index + p + 1] - self.knots[d][index]) / (p + 1)
         return total[active] / whole

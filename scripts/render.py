@@ -1,31 +1,40 @@
 #!/usr/bin/python3
-"""Draws an interchange file: scripts/render.py part.h5 [--output folder]
+"""Draws an interchange file or a results file: scripts/render.py FILE.h5 [--output folder]
 
-  <part>_spans.png    the part in its grid, interior and trimmed spans in two colours, partly cut away
-  <part>_points.png   one layer of spans with its quadrature points, coloured by weight over span volume
+Of a part (igaprep part.stl -o part.h5):
+  <part>_spans.png      the part in its grid, interior and trimmed spans in two colours, partly cut away
+  <part>_points.png     one layer of spans with its quadrature points, coloured by weight over span volume
 
-Reads the file with h5py alone and draws with the VTK that python3-paraview brings; without a screen it starts itself
-again under xvfb-run. Lengths and axes are those of the part; a rotated grid is drawn rotated.
+Of results (igasolve eigen part.h5 … -o modes.h5, igasolve static …):
+  <modes>_modes.png     the first six elastic modes on one sheet
+  <modes>_mode_<n>.png  one mode each, for --mode n (numbers of the results file, the first is 1)
+  <static>_static.png   the deformed part
+
+Deformations are exaggerated so that the largest displacement is some per cent of the part, or by --scale; the part at rest
+is outlined. Needs h5py, matplotlib and the VTK that python3-paraview brings; without a screen it starts itself again under
+xvfb-run. Lengths and axes are those of the part; a rotated grid is drawn rotated.
 """
 import argparse
 import os
 import shutil
 import sys
 from pathlib import Path
-from types import SimpleNamespace
-
-INTERIOR, TRIMMED = 1, 2
-INTERIOR_COLOUR, TRIMMED_COLOUR = (0.16, 0.42, 0.66), (0.96, 0.65, 0.26)
-SURFACE_COLOUR, SECTION_COLOUR, LINE_COLOUR = (0.80, 0.82, 0.85), (0.64, 0.67, 0.71), (0.18, 0.20, 0.23)
-PIXELS = (1600, 1080)
 
 
 def parse_arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("model", type=Path, help="interchange file (.h5)")
-    parser.add_argument("--output", type=Path, help="folder of the pictures (default: the model's)")
-    parser.add_argument("--axis", choices="uvw", help="grid axis across the layer of points (default: the part's thinnest)")
-    parser.add_argument("--at", type=float, default=0.5, help="place of the layer along that axis of the part, 0 … 1")
+    parser.add_argument("file", type=Path, help="interchange or results file (.h5)")
+    parser.add_argument("--output", type=Path, help="folder of the pictures (default: the file's)")
+    model = parser.add_argument_group("parts")
+    model.add_argument("--axis", choices="uvw", help="grid axis across the layer of points (default: the part's thinnest)")
+    model.add_argument("--at", type=float, default=0.5, help="place of the layer along that axis of the part, 0 … 1")
+    results = parser.add_argument_group("results")
+    results.add_argument("--colour", choices=("displacement", "von_mises"),
+                         help="colour by |u| or von Mises stress (default: |u| for modes, von Mises stress otherwise)")
+    results.add_argument("--scale", type=float, help="factor on displacements (default: chosen for each picture)")
+    results.add_argument("--mode", type=int, nargs="+", default=[], metavar="N", help="draw these modes, one picture each")
+    results.add_argument("--sight", type=float, nargs=3, metavar=("X", "Y", "Z"), default=(0.62, 1.0, -0.62),
+                         help="direction of sight (default: 0.62 1 -0.62)")
     return parser.parse_args()
 
 
@@ -39,401 +48,26 @@ def need_a_screen():
     os.execvp("xvfb-run", ["xvfb-run", "-a", "-s", "-screen 0 1920x1200x24", sys.executable, *sys.argv])
 
 
-def read_model(path):
-    """What the pictures need, as numpy arrays; the names are those of the file."""
-    with h5py.File(path, "r") as file:
-        patch = file["patch"].attrs
-        model = SimpleNamespace(
-            title=text(file.attrs.get("title", "")) or path.stem,
-            unit=text(file.attrs.get("length_unit", "unspecified")),
-            A=np.array(patch["A"]), B=np.array(patch["B"]), R=np.array(patch["rotation"]).reshape(3, 3),
-            n=np.array(patch["spans"], dtype=np.int64), degree=np.array(patch["degree"]),
-            state=file["spans/state"][()], active=file["spans/active"][()],
-            offsets=file["quadrature/offsets"][()], parameters=file["quadrature/parameters"][()],
-            weights=file["quadrature/weights"][()],
-            vertices=file["surface/vertices"][()], triangles=file["surface/triangles"][()])
-    model.h = (model.B - model.A) / model.n
-    model.C = (model.A + model.B) / 2
-    return model
-
-
-def text(value):
-    return value.decode() if isinstance(value, bytes) else str(value)
-
-
-# ---------------------------------------------------------------------------------------------------- geometry
-
-def to_space(model):
-    """x = C + R (u - C) as a VTK transform."""
-    matrix = vtkMatrix4x4()
-    shift = model.C - model.R @ model.C
-    for i in range(3):
-        for j in range(3):
-            matrix.SetElement(i, j, model.R[i, j])
-        matrix.SetElement(i, 3, shift[i])
-    transform = vtkTransform()
-    transform.SetMatrix(matrix)
-    return transform
-
-
-def moved(poly, transform):
-    change = vtkTransformPolyDataFilter()
-    change.SetInputData(poly)
-    change.SetTransform(transform)
-    change.Update()
-    return change.GetOutput()
-
-
-def surface_in_grid(model):
-    """The triangles in the grid's frame, where every cut is along an axis."""
-    points = vtkPoints()
-    points.SetData(numpy_to_vtk(model.C + (model.vertices - model.C) @ model.R, deep=True))
-    cells = vtkCellArray()
-    count = len(model.triangles)
-    cells.SetData(numpy_to_vtkIdTypeArray(np.arange(0, 3 * count + 1, 3, dtype=np.int64), deep=True),
-                  numpy_to_vtkIdTypeArray(model.triangles.astype(np.int64).ravel(), deep=True))
-    poly = vtkPolyData()
-    poly.SetPoints(points)
-    poly.SetPolys(cells)
-    return poly
-
-
-def with_normals(poly):
-    normals = vtkPolyDataNormals()
-    normals.SetInputData(poly)
-    normals.SetFeatureAngle(35)
-    normals.ConsistencyOff()
-    normals.Update()
-    return normals.GetOutput()
-
-
-def clipped(poly, origin, normal):
-    """The side that `normal` points to, its section closed; cell scalars: 0 surface, 1 section."""
-    plane = vtkPlane()
-    plane.SetOrigin(origin)
-    plane.SetNormal(normal)
-    planes = vtkPlaneCollection()
-    planes.AddItem(plane)
-    clip = vtkClipClosedSurface()
-    clip.SetInputData(poly)
-    clip.SetClippingPlanes(planes)
-    clip.SetScalarModeToLabels()
-    clip.Update()
-    return clip.GetOutput()
-
-
-def span_faces(model, keep):
-    """Outer faces of the kept spans, with the state of the span behind each face."""
-    image = vtkImageData()
-    image.SetDimensions(*(int(c) + 1 for c in model.n))
-    image.SetOrigin(*model.A)
-    image.SetSpacing(*model.h)
-    shown = numpy_to_vtk(np.where(keep, model.state, 0).ravel(), deep=True)
-    shown.SetName("state")
-    image.GetCellData().SetScalars(shown)
-    threshold = vtkThreshold()
-    threshold.SetInputData(image)
-    threshold.SetInputArrayToProcess(0, 0, 0, 1, "state")
-    threshold.SetLowerThreshold(INTERIOR)
-    threshold.SetUpperThreshold(TRIMMED)
-    threshold.SetThresholdFunction(vtkThreshold.THRESHOLD_BETWEEN)
-    faces = vtkDataSetSurfaceFilter()
-    faces.SetInputConnection(threshold.GetOutputPort())
-    faces.Update()
-    return faces.GetOutput()
-
-
-def grid_lines(lines):
-    """Line segments (k, 2, 3) → polydata."""
-    ends = np.asarray(lines, dtype=float).reshape(-1, 3)
-    points = vtkPoints()
-    points.SetData(numpy_to_vtk(ends, deep=True))
-    cells = vtkCellArray()
-    cells.SetData(numpy_to_vtkIdTypeArray(np.arange(0, len(ends) + 1, 2, dtype=np.int64), deep=True),
-                  numpy_to_vtkIdTypeArray(np.arange(len(ends), dtype=np.int64), deep=True))
-    poly = vtkPolyData()
-    poly.SetPoints(points)
-    poly.SetLines(cells)
-    return poly
-
-
-def wall_lines(model, axis, at, low, high, most=90):
-    """Knot lines of the plane `axis` = at, between the corners low and high; thinned where they would merge to grey."""
-    lines = []
-    for along in range(3):
-        if along == axis:
-            continue
-        across = 3 - axis - along
-        knots = model.A[across] + model.h[across] * np.arange(model.n[across] + 1)
-        knots = knots[(knots >= low[across] - 1e-9 * model.h[across]) & (knots <= high[across] + 1e-9 * model.h[across])]
-        knots = knots[:: int(np.ceil(len(knots) / most))]
-        segment = np.empty((len(knots), 2, 3))
-        segment[:, :, axis] = at
-        segment[:, :, across] = knots[:, None]
-        segment[:, 0, along], segment[:, 1, along] = low[along], high[along]
-        lines.append(segment)
-    return np.concatenate(lines)
-
-
-# ---------------------------------------------------------------------------------------------------- drawing
-
-def actor_of(poly, colour=None, table=None, edges=None, lines=1.0, opacity=1.0, flat=False):
-    mapper = vtkPolyDataMapper()
-    mapper.SetInputData(poly)
-    mapper.SetScalarVisibility(table is not None)
-    if table is not None:
-        mapper.SetScalarModeToUseCellData()
-        mapper.SetColorModeToMapScalars()
-        mapper.SetLookupTable(table)
-        mapper.UseLookupTableScalarRangeOn()
-    actor = vtkActor()
-    actor.SetMapper(mapper)
-    look = actor.GetProperty()
-    if colour:
-        look.SetColor(*colour)
-    look.SetOpacity(opacity)
-    look.SetLineWidth(lines)
-    look.SetAmbient(0.36)
-    look.SetDiffuse(0.72)
-    look.SetSpecular(0.06 if not flat else 0.0)
-    if flat:
-        look.LightingOff()
-    if edges:
-        look.EdgeVisibilityOn()
-        look.SetEdgeColor(*edges)
-    return actor
-
-
-def two_colours(first, second, low, high):
-    table = vtkLookupTable()
-    table.SetNumberOfTableValues(2)
-    table.SetTableRange(low, high)
-    table.SetTableValue(0, *first, 1)
-    table.SetTableValue(1, *second, 1)
-    table.Build()
-    return table
-
-
-def picture(actors, direction, up, fit_points):
-    """Parallel projection of the actors along `direction`, filled by `fit_points`; everything in space."""
-    renderer = vtkRenderer()
-    renderer.SetBackground(1, 1, 1)
-    for actor in actors:
-        renderer.AddActor(actor)
-    lights = vtkLightKit()
-    lights.SetKeyLightWarmth(0.5)
-    lights.SetFillLightWarmth(0.5)
-    lights.SetKeyToFillRatio(2.0)
-    lights.AddLightsToRenderer(renderer)
-    forward = np.asarray(direction, float) / np.linalg.norm(direction)
-    side = np.cross(forward, up)
-    side /= np.linalg.norm(side)
-    upward = np.cross(side, forward)
-    across, height = fit_points @ side, fit_points @ upward
-    centre = fit_points.mean(axis=0)
-    centre = centre + side * ((across.min() + across.max()) / 2 - centre @ side)
-    centre = centre + upward * ((height.min() + height.max()) / 2 - centre @ upward)
-    size = np.ptp(fit_points, axis=0).max()
-    camera = renderer.GetActiveCamera()
-    camera.ParallelProjectionOn()
-    camera.SetFocalPoint(*centre)
-    camera.SetPosition(*(centre - forward * 4 * size))
-    camera.SetViewUp(*upward)
-    camera.SetParallelScale(0.52 * max(np.ptp(height), np.ptp(across) * PIXELS[1] / PIXELS[0]))
-    renderer.ResetCameraClippingRange()
-
-    window = vtkRenderWindow()
-    window.SetOffScreenRendering(1)
-    window.SetMultiSamples(8)
-    window.SetSize(*PIXELS)
-    window.AddRenderer(renderer)
-    window.Render()
-    grab = vtkWindowToImageFilter()
-    grab.SetInput(window)
-    grab.ReadFrontBufferOff()
-    grab.Update()
-    image = grab.GetOutput()
-    columns, rows, _ = image.GetDimensions()
-    return vtk_to_numpy(image.GetPointData().GetScalars()).reshape(rows, columns, -1)[::-1]
-
-
-def corners(low, high):
-    return np.array([[(low, high)[(c >> d) & 1][d] for d in range(3)] for c in range(8)])
-
-
-def in_space(model, points):
-    return model.C + (np.asarray(points) - model.C) @ model.R.T
-
-
-def page(pixels, title, subtitle, file, legend=(), colour_bar=None):
-    """Picture with a title above and a legend below, as a PNG."""
-    width, height, head, foot = PIXELS[0], PIXELS[1], 130, 110
-    figure = plt.figure(figsize=(width / 100, (height + head + foot) / 100), dpi=100, facecolor="white")
-    total = height + head + foot
-    axes = figure.add_axes([0, foot / total, 1, height / total])
-    axes.imshow(pixels, interpolation="nearest", aspect="auto")
-    axes.axis("off")
-    figure.text(0.03, 1 - 48 / total, title, fontsize=24, weight="bold", color="#20242a", va="center")
-    figure.text(0.03, 1 - 94 / total, subtitle, fontsize=15, color="#4a5058", va="center")
-    if legend:
-        patches = [Patch(facecolor=colour, edgecolor="#30343a", linewidth=0.6, label=label) for colour, label in legend]
-        figure.legend(handles=patches, loc="lower left", bbox_to_anchor=(0.022, 20 / total), ncol=len(patches),
-                      frameon=False, fontsize=15, handlelength=1.3, handleheight=1.3, columnspacing=2.2)
-    if colour_bar:
-        mappable, label = colour_bar
-        bar_axes = figure.add_axes([0.56, 66 / total, 0.40, 20 / total])
-        bar = figure.colorbar(mappable, cax=bar_axes, orientation="horizontal", extend="both")
-        bar.set_label(label, fontsize=13, color="#20242a")
-        bar.ax.tick_params(labelsize=12)
-    figure.savefig(file)
-    plt.close(figure)
-    print(f"render.py: wrote {file}")
-
-
-# ---------------------------------------------------------------------------------------------------- the two pictures
-
-def active_box(model):
-    """Corners of the box of all active spans, in span numbers: low inclusive, high exclusive, order u v w."""
-    n = model.n
-    ijk = np.stack([model.active % n[0], model.active // n[0] % n[1], model.active // (n[0] * n[1])])
-    return ijk.min(axis=1), ijk.max(axis=1) + 1
-
-
-def draw_spans(model, file):
-    direction = np.array([0.62, 1.0, -0.62])  # of sight, in space
-    sight, top = model.R.T @ direction, int(np.argmax(np.abs(model.R[2])))  # in the grid; its axis nearest to z
-    low, high = active_box(model)
-    sides = (high - low) * model.h
-    long = max((axis for axis in range(3) if axis != top), key=lambda axis: sides[axis])
-    middle = int(np.round((low[long] + high[long]) / 2))
-    index = np.indices(model.state.shape)[::-1]  # u, v, w
-    near = index[long] < middle if sight[long] > 0 else index[long] >= middle
-    share = np.round(0.58 * (high[top] - low[top]))
-    below = index[top] < low[top] + share if model.R[2, top] > 0 else index[top] >= high[top] - share
-
-    # Near half: spans up to a ceiling. Far half: the surface itself, closed where it is cut.
-    spans = span_faces(model, near & below)
-    cut = model.A + model.h * np.where(np.arange(3) == long, middle, 0)
-    surface = clipped(surface_in_grid(model), cut, np.sign(sight[long]) * np.eye(3)[long])
-    walls = np.concatenate([wall_lines(model, axis, (model.A, model.B)[int(sight[axis] > 0)][axis], model.A, model.B)
-                            for axis in range(3)])
-    transform = to_space(model)
-    edge = (0.25, 0.22, 0.20) if np.max(high - low) <= 90 else None
-    states = two_colours(INTERIOR_COLOUR, TRIMMED_COLOUR, INTERIOR, TRIMMED)
-    section = two_colours(SURFACE_COLOUR, SECTION_COLOUR, 0, 1)
-    actors = [actor_of(moved(grid_lines(walls), transform), colour=(0.86, 0.87, 0.89), flat=True),
-              actor_of(moved(with_normals(surface), transform), table=section),
-              actor_of(moved(spans, transform), table=states, edges=edge)]
-    pixels = picture(actors, direction, (0, 0, 1), in_space(model, corners(model.A, model.B)))
-    interior, trimmed = int((model.state == INTERIOR).sum()), int((model.state == TRIMMED).sum())
-    unit = "" if model.unit == "unspecified" else f" {model.unit}"
-    sizes = " × ".join(f"{h:.4g}" for h in model.h)
-    counts = " × ".join(str(c) for c in model.n)
-    degrees = ", ".join(str(p) for p in model.degree)
-    same = len(set(model.degree)) == 1
-    page(pixels, f"{model.title} in its B-spline grid",
-         f"{counts} spans of {sizes}{unit}, degree {model.degree[0] if same else degrees}", file,
-         legend=[(INTERIOR_COLOUR, f"interior spans ({interior:,})"), (TRIMMED_COLOUR, f"trimmed spans ({trimmed:,})"),
-                 (SURFACE_COLOUR, f"surface as given ({len(model.triangles):,} triangles)")])
-
-
-def draw_points(model, file, axis, at):
-    low, high = active_box(model)
-    n = model.n
-    axis = int(np.argmin((high - low) * model.h)) if axis is None else "uvw".index(axis)
-    layer = int(np.clip(low[axis] + np.floor(at * (high[axis] - low[axis])), low[axis], high[axis] - 1))
-    stride = np.array([1, n[0], n[0] * n[1]])
-    owner = np.repeat(model.active, np.diff(model.offsets))
-    chosen = (owner // stride[axis]) % n[axis] == layer
-    if not chosen.any():
-        sys.exit("render.py: this layer holds no quadrature point; choose another --at")
-    points, ratio = model.parameters[chosen], model.weights[chosen] / np.prod(model.h)
-
-    # Seen from the low side of `axis`: everything in front of the layer is taken away, the part behind it stays.
-    transform = to_space(model)
-    front, back = model.A[axis] + model.h[axis] * layer, model.A[axis] + model.h[axis] * (layer + 1)
-    behind = clipped(surface_in_grid(model), np.where(np.arange(3) == axis, back, model.C), np.eye(3)[axis])
-    box_low, box_high = model.A + (low - 1) * model.h, model.A + (high + 1) * model.h
-    just_before = back - 2e-3 * model.h[axis]  # so that lines are seen on the section
-    lines = wall_lines(model, axis, just_before, box_low, box_high, most=200)
-    plane = vtkPlane()
-    plane.SetOrigin(*np.where(np.arange(3) == axis, just_before, model.C))
-    plane.SetNormal(*np.eye(3)[axis])
-    cutter = vtkCutter()
-    cutter.SetInputData(surface_in_grid(model))
-    cutter.SetCutFunction(plane)
-    cutter.Update()
-
-    norm = LogNorm(max(1e-4, float(np.percentile(ratio, 1))), float(ratio.max()))
-    colours = plt.get_cmap("plasma_r")(norm(np.clip(ratio, norm.vmin, norm.vmax)))
-    cloud = vtkPolyData()
-    positions = vtkPoints()
-    positions.SetData(numpy_to_vtk(np.ascontiguousarray(points), deep=True))
-    cloud.SetPoints(positions)
-    rgb = numpy_to_vtk((255 * colours[:, :3]).astype(np.uint8), deep=True)
-    cloud.GetPointData().SetScalars(rgb)
-    vertices = vtkVertexGlyphFilter()
-    vertices.SetInputData(cloud)
-    vertices.Update()
-    dots = actor_of(moved(vertices.GetOutput(), transform))
-    dots.GetMapper().SetScalarVisibility(True)
-    dots.GetProperty().SetRenderPointsAsSpheres(True)
-
-    section = two_colours(SURFACE_COLOUR, (0.90, 0.91, 0.93), 0, 1)
-    actors = [actor_of(moved(with_normals(behind), transform), table=section),
-              actor_of(moved(grid_lines(lines), transform), colour=(0.66, 0.68, 0.71), flat=True),
-              actor_of(moved(cutter.GetOutput(), transform), colour=LINE_COLOUR, lines=2.5, flat=True), dots]
-    direction, up = np.eye(3)[axis].copy(), np.eye(3)[(2, 2, 1)[axis]]
-    direction += 0.06 * np.eye(3)[(1, 0, 0)[axis]] - 0.10 * up
-    fit = corners(np.where(np.arange(3) == axis, front, box_low), np.where(np.arange(3) == axis, back, box_high))
-    pixel = PIXELS[1] / np.max((box_high - box_low)[np.arange(3) != axis])
-    spacing = np.cbrt(np.prod(model.h) / np.diff(model.offsets)[np.diff(model.offsets) > 0].mean())
-    dots.GetProperty().SetPointSize(float(np.clip(0.42 * spacing * pixel, 2.5, 26)))
-    pixels = picture(actors, model.R @ direction, model.R @ up, in_space(model, fit))
-    page(pixels, f"{model.title}: quadrature points",
-         f"one layer of spans, {'uvw'[axis]} = {front:.5g} … {back:.5g}; {len(points):,} of {len(model.weights):,} points", file,
-         legend=[(SURFACE_COLOUR, "part behind the layer")],
-         colour_bar=(plt.cm.ScalarMappable(norm, "plasma_r"), "weight / span volume"))
-
-
 def main():
     arguments = parse_arguments()
-    if not arguments.model.is_file():
-        sys.exit(f"render.py: {arguments.model}: no such file")
+    if not arguments.file.is_file():
+        sys.exit(f"render.py: {arguments.file}: no such file")
     need_a_screen()
-    import_drawing_libraries()
-    folder = arguments.output or arguments.model.parent
-    folder.mkdir(parents=True, exist_ok=True)
+    import h5py  # only after the screen is there
+
     try:
-        model = read_model(arguments.model)
-    except (OSError, KeyError) as error:
-        sys.exit(f"render.py: {arguments.model}: not a readable interchange file ({error}); try igasolve check")
-    draw_spans(model, folder / f"{arguments.model.stem}_spans.png")
-    draw_points(model, folder / f"{arguments.model.stem}_points.png", arguments.axis, arguments.at)
-
-
-def import_drawing_libraries():
-    """Only after the screen is there; the names become the module's own."""
-    import h5py
-    import matplotlib
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-    import numpy as np
-    import vtkmodules.vtkRenderingOpenGL2  # registers the OpenGL implementation
-    from matplotlib.colors import LogNorm
-    from matplotlib.patches import Patch
-    from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
-    from vtkmodules.vtkCommonCore import vtkLogger, vtkLookupTable, vtkPoints
-    from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkImageData, vtkPlane, vtkPlaneCollection, vtkPolyData
-    from vtkmodules.vtkCommonMath import vtkMatrix4x4
-    from vtkmodules.vtkCommonTransforms import vtkTransform
-    from vtkmodules.vtkFiltersCore import vtkCutter, vtkPolyDataNormals, vtkThreshold
-    from vtkmodules.vtkFiltersGeneral import vtkClipClosedSurface, vtkTransformPolyDataFilter, vtkVertexGlyphFilter
-    from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
-    from vtkmodules.vtkRenderingCore import (vtkActor, vtkLightKit, vtkPolyDataMapper, vtkRenderer, vtkRenderWindow,
-                                             vtkWindowToImageFilter)
-    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_WARNING)
-    globals().update({name: value for name, value in locals().items()})
+        with h5py.File(arguments.file) as file:
+            format_name = file.attrs.get("format", "")
+    except OSError as error:
+        sys.exit(f"render.py: {arguments.file}: cannot be read ({error})")
+    folder = arguments.output or arguments.file.parent
+    folder.mkdir(parents=True, exist_ok=True)
+    if format_name in ("iga-trimmed-solid-results", b"iga-trimmed-solid-results"):
+        import render_results
+        render_results.draw(arguments, folder)
+    else:
+        import render_model
+        render_model.draw(arguments, folder)
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@
   scripts/run_samples.py 03_sphere 04_torus   these ones
   scripts/run_samples.py --bin DIR --parts DIR --work DIR …
 
-Besides the figures of expected.toml, every model is held against its STL: volume, centroid and area of the surface are
+A sample with a run.toml is run through igasolve static too. Besides the figures of expected.toml, every model is held against its STL: volume, centroid and area of the surface are
 computed here from the file's triangles, without any of the project's C++ code.
 """
 import argparse
@@ -62,7 +62,7 @@ def look_up(report, key):
         return sum(report["spans"].values())
     value = report
     for name in key.split("."):
-        value = value[name]
+        value = value[int(name) if isinstance(value, list) else name]
     return value
 
 
@@ -82,13 +82,17 @@ def compare(figure, found):
 def run_sample(folder, arguments):
     """All deviations of one sample, one line each."""
     with open(folder / "prep.toml", "rb") as file:
-        part = arguments.parts / Path(tomllib.load(file)["input"]).name
+        settings = tomllib.load(file)
+    part = arguments.parts / Path(settings["input"]).name
+    model = arguments.work / Path(settings["output"]).name
     with open(folder / "expected.toml", "rb") as file:
         figures = tomllib.load(file)["figure"]
-    model = arguments.work / (part.stem + ".h5")
     report = json.loads(run([arguments.bin / "igaprep", folder / "prep.toml", "--input", part, "-o", model, "--force",
                              "--json"], arguments.work))
     run([arguments.bin / "igasolve", "check", model], arguments.work)
+    if (folder / "run.toml").exists():
+        report["run"] = json.loads(run([arguments.bin / "igasolve", "static", folder / "run.toml", "--model", model, "-o",
+                                        arguments.work / (folder.name + ".h5"), "--force", "--json"], arguments.work))
 
     volume, centroid, area = surface_figures(read_stl(part))
     size = np.cbrt(volume)

@@ -83,7 +83,8 @@ void add_results(CLI::App& sub, TypedRun& t) {
   sub.add_option("--subdivide", t.subdivide, "Surface of the results: edges at most span / N [2]")
       ->type_name("N")
       ->group(results);
-  sub.add_flag("--viewer,!--no-viewer", t.viewer, "Files for ParaView beside the results file [yes]")->group(results);
+  io::add_switch(sub, "--viewer,!--no-viewer", t.viewer, "Files for ParaView beside the results file [yes]")
+      ->group(results);
 }
 
 // The file is a run file or the model itself.
@@ -116,9 +117,8 @@ std::optional<Command> parse_command_line(int argc, const char* const* argv) {
       add_analysis(app, "eigen", "Eigenfrequencies and modes, or the largest eigenfrequency", raw, analysis);
   add_mass(*eigen, analysis.typed, "consistent; lumped with --largest");
   eigen->add_option("--modes", analysis.typed.modes, "Number of elastic modes [10]")->type_name("N")->group("Method");
-  eigen->add_flag("--largest", analysis.typed.largest, "The largest eigenfrequency alone")->group("Method");
-  eigen
-      ->add_flag("--sturm,!--no-sturm", analysis.typed.sturm,
+  io::add_switch(*eigen, "--largest", analysis.typed.largest, "The largest eigenfrequency alone")->group("Method");
+  io::add_switch(*eigen, "--sturm,!--no-sturm", analysis.typed.sturm,
                  "Prove by a Sturm count that no mode is missing [below 100 000 unknowns]")
       ->group("Method");
   add_results(*eigen, analysis.typed);

@@ -16,7 +16,7 @@ EigenOutcome analyse_modes(const RunSettings& run, const EigenSettings& settings
   outcome.mass = system.M.total();
   outcome.unknowns = system.space->num_unknowns();
   outcome.constraints = system.supports.constraints.rows();
-  const Bodies bodies = find_bodies(*system.space);
+  const Bodies bodies = separate_bodies(system.K.pattern());
   outcome.bodies = bodies.count;
   if (settings.largest) {
     Stopwatch watch(outcome.timings);

@@ -2,6 +2,7 @@
 
 #include "format/model/errors.hpp"
 #include "format/model/vec3.hpp"
+#include "solver/nearest_span.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -17,19 +18,6 @@ double distance_to_surface(const TriangleMesh& mesh, const Point3& x) {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) least = std::min(least, distance_to_triangle(mesh, t, x));
   return least;
-}
-
-// Squared distance in spans from a parameter to a closed span, and the nearest parameter in it.
-std::pair<double, Point3> nearest_in_span(const SplineGrid& grid, std::int64_t number, const Point3& u) {
-  const Box3 box = grid.span_box(grid.span_index(number));
-  const Point3 h = grid.span_size();
-  Point3 nearest{};
-  double squared = 0;
-  for (std::size_t d = 0; d < 3; ++d) {
-    nearest[d] = std::clamp(u[d], box.lower[d], box.upper[d]);
-    squared += std::pow((u[d] - nearest[d]) / h[d], 2);
-  }
-  return {squared, nearest};
 }
 
 } // namespace
@@ -58,22 +46,8 @@ LocatedPoint locate(const TrimmedModel& model, const Point3& x, const std::strin
           what, fmt::join(x, ", "), distance, fmt::join(box.lower, ", "), fmt::join(box.upper, ", ")));
     }
   }
-  // On a face between spans the fuller one wins, then the lower number.
-  constexpr double same_place = 1e-20;
-  const Point3 u = model.grid.to_parameter(x);
-  LocatedPoint best;
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t a = 0; a < model.active.size(); ++a) {
-    const auto [squared, parameter] = nearest_in_span(model.grid, model.active[a], u);
-    const bool fuller = squared <= least + same_place &&
-                        model.volume_fraction[a] > model.volume_fraction[static_cast<std::size_t>(best.span)];
-    if (squared < least - same_place || fuller || a == 0) {
-      least = squared;
-      best = {static_cast<std::int64_t>(a), parameter, x, {}};
-    }
-  }
-  best.position = model.grid.to_position(best.parameter);
-  return best;
+  const NearestSpan nearest = nearest_span(model, model.grid.to_parameter(x), {});
+  return {nearest.active, nearest.parameter, x, model.grid.to_position(nearest.parameter)};
 }
 
 } // namespace iga::solve

@@ -44,8 +44,9 @@ Rotation read_frame(io::SettingsTable& table) {
       for (std::size_t b = 0; b < 3; ++b) {
         const double product = R[0][a] * R[0][b] + R[1][a] * R[1][b] + R[2][a] * R[2][b];
         if (std::abs(product - (a == b ? 1 : 0)) > typed_digits)
-          refuse(table, "rotation", "its columns are no orthogonal unit vectors; use rotate_axis_angle = [ax, ay, az, "
-                                    "degrees] where you know the axis");
+          refuse(table, "rotation",
+                 "its columns are no orthogonal unit vectors; use rotate_axis_angle = [ax, ay, az, "
+                 "degrees] where you know the axis");
       }
   }
   if (turn) {
@@ -81,16 +82,18 @@ ReadRegion read_region(io::SettingsTable& table) {
     choice.box = Box3{{(*box)[0], (*box)[1], (*box)[2]}, {(*box)[3], (*box)[4], (*box)[5]}};
     for (std::size_t d = 0; d < 3; ++d)
       if (choice.box->lower[d] > choice.box->upper[d])
-        refuse(table, "box", fmt::format("the first corner lies beyond the second one along {} ({} > {}); give the "
-                                         "lower corner first",
-                                         "xyz"[d], choice.box->lower[d], choice.box->upper[d]));
+        refuse(table, "box",
+               fmt::format("the first corner lies beyond the second one along {} ({} > {}); give the "
+                           "lower corner first",
+                           "xyz"[d], choice.box->lower[d], choice.box->upper[d]));
   }
   io::SettingsTable plane = table.table("plane"), normal = table.table("normal");
   const auto point = vector3(plane, "point"), plane_normal = vector3(plane, "normal");
   const auto tolerance = plane.number("tolerance");
   if (point || plane_normal || tolerance) {
     if (!point || !plane_normal) refuse(plane, point ? "normal" : "point", "missing; a plane has a point and a normal");
-    if (tolerance && *tolerance < 0) refuse(plane, "tolerance", fmt::format("found {}, expected 0 or more", *tolerance));
+    if (tolerance && *tolerance < 0)
+      refuse(plane, "tolerance", fmt::format("found {}, expected 0 or more", *tolerance));
     choice.plane = RegionChoice::Plane{*point, *plane_normal, tolerance.value_or(0)};
   }
   const auto direction = vector3(normal, "direction");
@@ -123,7 +126,8 @@ void read_fixed(io::SettingsTable& table, Support& support) {
   for (const char c : *fixed) {
     const auto d = std::string_view("xyz").find(c);
     if (d == std::string_view::npos || support.fixed[d])
-      refuse(table, "fixed", fmt::format("found \"{}\", expected letters out of x, y, z, each once, or \"normal\"", *fixed));
+      refuse(table, "fixed",
+             fmt::format("found \"{}\", expected letters out of x, y, z, each once, or \"normal\"", *fixed));
     support.fixed[d] = true;
   }
   if (fixed->empty()) refuse(table, "fixed", "nothing is fixed; expected letters out of x, y, z, or \"normal\"");
@@ -152,13 +156,15 @@ Support read_support(io::SettingsTable& table, std::size_t number) {
   const auto found = std::find(methods.begin(), methods.end(), method);
   if (found == methods.end()) {
     const auto near = io::nearest_name(method, methods);
-    refuse(table, "method", fmt::format("found \"{}\", expected one of {}{}", method, fmt::join(methods, ", "),
-                                        near ? fmt::format("; did you mean {}?", *near) : ""));
+    refuse(table, "method",
+           fmt::format("found \"{}\", expected one of {}{}", method, fmt::join(methods, ", "),
+                       near ? fmt::format("; did you mean {}?", *near) : ""));
   }
   support.method = static_cast<SupportMethod>(found - methods.begin());
   if (const auto factor = table.number("penalty_factor")) {
     if (support.method != SupportMethod::Penalty)
-      refuse(table, "penalty_factor", fmt::format("the method {} has none; add method = \"penalty\" or leave it out", method));
+      refuse(table, "penalty_factor",
+             fmt::format("the method {} has none; add method = \"penalty\" or leave it out", method));
     if (!(*factor > 0)) refuse(table, "penalty_factor", fmt::format("found {}, expected a number above 0", *factor));
     support.penalty_factor = *factor;
   }
@@ -201,8 +207,9 @@ Load read_load(io::SettingsTable& table, std::size_t number) {
   const bool on_surface =
       load.kind == LoadKind::Traction || load.kind == LoadKind::Pressure || load.kind == LoadKind::TotalForce;
   if (on_surface && !region.given)
-    refuse(table, "region", fmt::format("missing; {}{}", how_to_choose,
-                                        load.kind == LoadKind::TotalForce ? ", or at = [x, y, z] for a point" : ""));
+    refuse(table, "region",
+           fmt::format("missing; {}{}", how_to_choose,
+                       load.kind == LoadKind::TotalForce ? ", or at = [x, y, z] for a point" : ""));
   if (!on_surface && region.given)
     refuse(table, "region", "this load acts on no surface; leave the choice of surface out");
   return load;

@@ -1,4 +1,4 @@
-// Displacement, strain and stress of a solution at points.
+// Fields of a static solution at quadrature points and probes, and the energy stored.
 #pragma once
 
 #include "format/model/results.hpp"
@@ -8,13 +8,12 @@
 
 namespace iga::solve {
 
-/// Fields (one step) at points grouped by active span (the volume's or the surface's quadrature points, or a refined
-/// surface).
+/// Fields (one step) at points grouped by active span: the volume's or the surface's quadrature points.
 /// @param[in] u           (num_unknowns)
 /// @param[in] offsets     (num_spans + 1); the a-th span owns points [a] … [a + 1) - 1
 /// @param[in] parameters  (n × 3), row-major
 FieldSamples recover_fields(const SolutionSpace& space, const ElasticMaterial& material, const Eigen::VectorXd& u,
-                            std::span<const std::int64_t> offsets, std::span<const double> parameters);
+                            std::span<const std::int64_t> offsets, const std::vector<double>& parameters);
 
 /// ½ ∫ σ : ε dV from the fields at the volume's quadrature points (force · length).
 double strain_energy(const TrimmedModel& model, const FieldSamples& fields);

@@ -3,8 +3,10 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 namespace iga::solve {
 
@@ -19,6 +21,15 @@ using Eigen::VectorXd;
 constexpr double free_energy = 1e-10;
 // A motion that moves a constrained value by less than this share of what it moves unknowns is not constrained.
 constexpr double free_constraint = 1e-9;
+
+std::int32_t root(std::vector<std::int32_t>& parent, std::int32_t i) {
+  while (parent[static_cast<std::size_t>(i)] != i) {
+    auto& up = parent[static_cast<std::size_t>(i)];
+    up = parent[static_cast<std::size_t>(up)];
+    i = up;
+  }
+  return i;
+}
 
 // An M-orthonormal basis of the span of V; directions without mass are dropped.
 MatrixXd orthonormal(const MatrixXd& V, const MatrixXd& MV) {
@@ -49,6 +60,25 @@ MatrixXd unconstrained(const MatrixXd& V, const ConstraintMatrix* C) {
 }
 
 } // namespace
+
+Bodies separate_bodies(const NodePattern& pattern) {
+  const auto n = static_cast<std::size_t>(pattern.num_nodes());
+  std::vector<std::int32_t> parent(n);
+  std::iota(parent.begin(), parent.end(), 0);
+  for (std::size_t j = 0; j < n; ++j)
+    for (auto k = static_cast<std::size_t>(pattern.offsets[j]); k < static_cast<std::size_t>(pattern.offsets[j + 1]);
+         ++k) {
+      const std::int32_t a = root(parent, static_cast<std::int32_t>(j)), b = root(parent, pattern.rows[k]);
+      parent[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+    }
+  Bodies bodies;
+  bodies.of_node.resize(n);
+  for (std::size_t j = 0; j < n; ++j) {
+    const auto first = static_cast<std::size_t>(root(parent, static_cast<std::int32_t>(j)));
+    bodies.of_node[j] = first == j ? static_cast<std::int32_t>(bodies.count++) : bodies.of_node[first];
+  }
+  return bodies;
+}
 
 MatrixXd rigid_motions(const SolutionSpace& space, const Bodies& bodies) {
   const auto points = space.node_points();

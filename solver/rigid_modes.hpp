@@ -1,10 +1,16 @@
 // Rigid motions are known before any eigenvalue is computed: they are written down, checked and kept out of the search.
 #pragma once
 
-#include "solver/free_motions.hpp"
 #include "solver/mass_operator.hpp"
 
 namespace iga::solve {
+
+/// Number of mechanically separate bodies and the body of each node: nodes that share a span are connected.
+struct Bodies {
+  std::int64_t count = 0;
+  std::vector<std::int32_t> of_node; ///< (num_nodes), numbered by their first node
+};
+Bodies separate_bodies(const NodePattern& pattern);
 
 /// Six columns per body: translations along and rotations about the axes through the middle of its nodes.
 /// (num_unknowns × 6 bodies)

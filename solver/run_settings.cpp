@@ -57,6 +57,11 @@ VoigtMatrix elasticity(const std::vector<double>& C) {
 ElasticMaterial material_of(const TypedRun& typed, Analysis analysis) {
   if (!typed.rho && analysis != Analysis::Static)
     throw InputError("material: the density is missing; give --rho or rho in [material]");
+  for (const Load& load : typed.statics.loads)
+    if (!typed.rho && analysis == Analysis::Static && load.kind == LoadKind::Acceleration)
+      throw InputError(fmt::format("material: the density is missing, but load '{}' is an acceleration; give --rho or "
+                                   "rho in [material]",
+                                   load.name));
   const double rho = typed.rho.value_or(1); // statics do not feel it
   if (typed.C) {
     if (typed.E || typed.nu) throw InputError("material: give either C or E and nu, not both");
@@ -118,6 +123,8 @@ TypedRun read_run_file(const std::filesystem::path& file) {
   io::SettingsTable results = root.table("results");
   t.subdivide = results.integer("subdivide");
   t.viewer = results.boolean("viewer");
+  t.supports = read_supports(root);
+  t.statics = read_static_settings(root);
   root.refuse_unknown_keys();
   return t;
 }
@@ -169,6 +176,7 @@ RunSettings validate_run(const TypedRun& typed, Analysis analysis) {
     run.light.threshold = *typed.light_threshold;
   }
   run.supports = typed.supports;
+  run.statics = typed.statics;
   if (typed.modes) run.eigen.modes = whole("modes", *typed.modes, 1, 1'000'000);
   run.eigen.sturm = typed.sturm;
   if (typed.subdivide) run.subdivide = whole("subdivide", *typed.subdivide, 1, 64);

@@ -4,6 +4,7 @@
 #include "solver/boundary.hpp"
 #include "solver/eigen_settings.hpp"
 #include "solver/material.hpp"
+#include "solver/read_supports.hpp"
 #include "solver/solution_space.hpp"
 
 #include <filesystem>
@@ -22,7 +23,8 @@ struct TypedRun {
   std::optional<std::vector<double>> C; ///< 36 numbers row by row, or the 21 of the upper triangle
   std::optional<std::int64_t> modes, subdivide;
   std::optional<bool> largest, sturm, viewer;
-  std::vector<Support> supports;
+  std::vector<Support> supports; ///< run files only
+  StaticSettings statics;        ///< run files only
 };
 
 /// Settings that every analysis has, complete.
@@ -36,6 +38,7 @@ struct RunSettings {
   LightTreatment light;
   std::vector<Support> supports;
   EigenSettings eigen;
+  StaticSettings statics;
   int subdivide = 2;  ///< surface output: longest edge at most span / subdivide
   bool viewer = true; ///< files for ParaView beside the results file
 };

@@ -3,9 +3,9 @@
 #include "format/model/errors.hpp"
 #include "format/model/vec3.hpp"
 #include "solver/assemble.hpp"
-#include "solver/free_motions.hpp"
+#include "solver/stopwatch.hpp"
+#include "solver/support_check.hpp"
 
-#include <chrono>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -16,20 +16,9 @@ namespace {
 // A residual above this after refinement means that digits were lost in the factorisation.
 constexpr double largest_residual = 1e-8;
 
-/// Seconds between two calls.
-class Clock {
- public:
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    return std::chrono::duration<double>(now - std::exchange(last_, now)).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
-
-void need_no_free_motion(const SolutionSpace& space, std::span<const PreparedSupport> supports) {
-  const std::vector<std::string> free = free_rigid_motions(space, supports);
+void need_no_free_motion(const SolutionSpace& space, const NodePattern& pattern,
+                         std::span<const PreparedSupport> supports) {
+  const std::vector<std::string> free = free_rigid_motions(space, pattern, supports);
   if (free.empty()) return;
   throw InputError(fmt::format("{}: a static analysis needs supports that resist every rigid motion:\n  {}\n"
                                "add a [[support]] or fix more components",
@@ -155,27 +144,26 @@ std::vector<double> as_vector(const Eigen::VectorXd& v) {
 StaticSolution run_static(const RunSettings& run, const StaticSettings& settings, const SolutionSpace& space) {
   const TrimmedModel& model = space.model();
   StaticSolution solution;
-  Clock clock;
-  const auto finish = [&](const char* stage) { solution.timings.emplace_back(stage, clock.lap()); };
+  Stopwatch watch(solution.timings);
 
   const std::vector<LocatedPoint> probes = locate_probes(model, settings.probes);
   LoadTerms loads = assemble_loads(space, run.material.density, settings.loads);
   solution.loads = loads.reports;
-  finish("loads");
+  watch.stage("loads");
   const auto connectivity = std::make_shared<const Connectivity>(space);
   StiffnessMatrix K = assemble_stiffness(space, connectivity, run.material);
-  finish("stiffness");
+  watch.stage("stiffness");
   const SupportTerms supports = apply_supports(space, run.material, run.supports, K);
-  need_no_free_motion(space, supports.prepared);
+  need_no_free_motion(space, K.pattern(), supports.prepared);
   solution.regions = supports.regions;
   solution.num_constraints = supports.constraints.rows();
-  finish("supports");
+  watch.stage("supports");
 
   Eigen::VectorXd b(K.size() + supports.constraints.rows());
   b << loads.load + supports.load, supports.values;
   const auto solver = factorise(K, supports);
   solution.cost = solver->cost();
-  finish("factorisation");
+  watch.stage("factorisation");
   Eigen::VectorXd x = solver->solve(b);
   x += solver->solve(residual(K, supports.constraints, b, x));
   const double size = b.norm();
@@ -187,7 +175,7 @@ StaticSolution run_static(const RunSettings& run, const StaticSettings& settings
                                      solution.residual, largest_residual));
   solution.unknowns = x.head(K.size());
   solution.multipliers = x.tail(supports.constraints.rows());
-  finish("solution");
+  watch.stage("solution");
 
   StaticResult& result = solution.result;
   result.displacement = as_vector(space.expand(solution.unknowns));
@@ -202,7 +190,7 @@ StaticSolution run_static(const RunSettings& run, const StaticSettings& settings
   find_largest(positions_of(model.grid, surface.parameters), solution.surface, solution);
   solution.reactions = reactions(space, run.material, supports, solution.unknowns, solution.multipliers);
   describe_forces(settings, supports, model, solution);
-  finish("fields");
+  watch.stage("fields");
   return solution;
 }
 

@@ -53,13 +53,15 @@ std::string static_text(const StaticSolution& s) {
     line(fmt::format("  resultant {}, moment about it {}", text(r.force, unit), text(r.moment)));
   }
   line(fmt::format("balance of forces {}, relative residual {:.2g}", text(s.force_balance), s.residual));
-  line(fmt::format("strain energy {:.8g}, external work {:.8g}", s.result.strain_energy, s.result.external_work + s.support_work));
+  line(fmt::format("strain energy {:.8g}, external work {:.8g}", s.result.strain_energy,
+                   s.result.external_work + s.support_work));
   line(fmt::format("largest displacement {:.6g} at {}", s.largest_displacement, text(s.largest_displacement_at)));
   line(fmt::format("largest von Mises stress {:.6g} at {}", s.largest_von_mises, text(s.largest_von_mises_at)));
   const ProbeResult& p = s.result.probes;
   for (std::size_t k = 0; k < p.names.size(); ++k) {
     line(fmt::format("probe '{}' at {}", p.names[k], text(point(p.positions, k))));
-    line(fmt::format("  displacement {}, von Mises {:.6g}", text(point(p.fields.displacement, k)), p.fields.von_mises[k]));
+    line(fmt::format("  displacement {}, von Mises {:.6g}", text(point(p.fields.displacement, k)),
+                     p.fields.von_mises[k]));
     line(fmt::format("  stress xx yy zz xy yz zx: {:.6g}", fmt::join(slice(p.fields.stress, k, 6), "  ")));
   }
   return out;

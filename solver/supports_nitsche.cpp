@@ -203,9 +203,8 @@ void nitsche_parameters(const SolutionSpace& space, const ElasticMaterial& mater
   const auto degrees = grid.degree();
   const int p = *std::max_element(degrees.begin(), degrees.end());
   const Point3 h = grid.span_size();
-  const double unit = p * p *
-                         Eigen::SelfAdjointEigenSolver<VoigtMatrix>(material.C).eigenvalues().maxCoeff() /
-                         *std::min_element(h.begin(), h.end());
+  const double unit = p * p * Eigen::SelfAdjointEigenSolver<VoigtMatrix>(material.C).eigenvalues().maxCoeff() /
+                      *std::min_element(h.begin(), h.end());
   std::vector<Piece> pieces;
   for (PreparedSupport* const support : prepared) {
     support->beta.assign(support->region.spans.size(), 0);

@@ -32,6 +32,11 @@ void refuse_usage(const CLI::App& app, const CLI::ParseError& error, const std::
   throw InputError(fmt::format("{} (see {} --help)", text, tool));
 }
 
+CLI::Option* add_switch(CLI::App& app, const std::string& names, std::optional<bool>& value, const std::string& text) {
+  return app.add_flag_function(
+      names, [&value](std::int64_t count) { value = count > 0; }, text);
+}
+
 std::string command_text(const std::string& tool, int argc, const char* const* argv) {
   std::string text = tool;
   for (int i = 1; i < argc; ++i) text += " " + quoted(argv[i]);

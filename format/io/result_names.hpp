@@ -33,11 +33,12 @@ constexpr DatasetText active_functions{"/functions/active", "1",
                                        "ascending; number = i + n_u (j + n_v k) of function (i, j, k)",
                                        "linear numbers of the functions whose support holds material, as in the model"};
 
-constexpr DatasetText frequencies{"/frequencies", "1/time", "(mode), ascending",
-                                  "natural frequencies in cycles per time; 0 for rigid modes"};
+constexpr DatasetText frequencies{"/frequencies", "1/time",
+                                  "(mode): rigid ones, mechanisms, elastic ones, ascending within each kind",
+                                  "natural frequencies in cycles per time; 0 or rounding for rigid modes"};
 constexpr DatasetText modes{"/modes", "1", "(mode; active function; x y z)",
                             "coefficients c_i of the modes u(x) = sum N_i(x) c_i, scaled to phi^T M phi = 1"};
-constexpr DatasetText omega_squared{"/eigen/omega_squared", "1/time^2", "(mode), ascending",
+constexpr DatasetText omega_squared{"/eigen/omega_squared", "1/time^2", "(mode), as /frequencies",
                                     "eigenvalues as computed; those of rigid modes may lie slightly below 0"};
 constexpr DatasetText residuals{"/eigen/residual", "1", "(mode)", "relative residual of each eigenpair"};
 constexpr DatasetText kind{"/eigen/kind", "1", "(mode)", "what each mode is"};

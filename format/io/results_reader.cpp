@@ -80,7 +80,6 @@ EigenResult read_eigen(const H5Reader& file, std::int64_t num_functions) {
   e.complete_below = file.number<double>(result::eigen, "complete_below");
   const std::int64_t n = rows_of(file, result::frequencies);
   e.frequencies = finite(file, result::frequencies, {n});
-  expect_ascending(file, result::frequencies, e.frequencies);
   e.omega_squared = finite(file, result::omega_squared, {n});
   e.residuals = finite(file, result::residuals, {n});
   e.kind = file.enums(result::kind.path, {n}, result::kinds);

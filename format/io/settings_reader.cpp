@@ -131,8 +131,7 @@ std::vector<SettingsTable> SettingsTable::tables(std::string_view key) {
   if (!node->is_array() || !node->as_array()->is_homogeneous(toml::node_type::table))
     refuse(file_->path, full, *node, fmt::format("tables, each written as [[{}]]", full));
   std::vector<SettingsTable> entries;
-  for (const toml::node& entry : *node->as_array())
-    entries.push_back(SettingsTable(file_, full, entry.as_table()));
+  for (const toml::node& entry : *node->as_array()) entries.push_back(SettingsTable(file_, full, entry.as_table()));
   return entries;
 }
 

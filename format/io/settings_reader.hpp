@@ -36,8 +36,8 @@ class SettingsTable {
   /// True where the key holds a string: for keys that take either a word or numbers.
   bool holds_text(std::string_view key) const;
 
-  /// "file:line: 'key' in [table]": opens a message about a value of the right type that makes no sense; the line of the
-  /// table where the key is absent.
+  /// "file:line: 'key' in [table]": opens a message about a value of the right type that makes no sense; the line of
+  /// the table where the key is absent.
   std::string where(std::string_view key) const;
 
   /// Call on the root after every key was asked for. @throws InputError naming the line and the nearest known key

@@ -51,7 +51,7 @@ struct SurfaceResult {
   std::int64_t num_steps() const { return static_cast<std::int64_t>(steps.size()); }
 };
 
-/// Natural modes, ascending in frequency.
+/// Natural modes: rigid ones, mechanisms, elastic ones, each ascending in frequency.
 struct EigenResult {
   enum Kind : std::uint8_t {
     Rigid = 0,     ///< a rigid motion: no strain energy
@@ -60,7 +60,7 @@ struct EigenResult {
   };
   std::string mass = "consistent";   ///< consistent | lumped | two-pass | three-pass
   double complete_below = 0;         ///< 1/time: a Sturm count proves that no mode below is missing; 0: not counted
-  std::vector<double> frequencies;   ///< (n_modes), cycles/time; 0 for rigid modes
+  std::vector<double> frequencies;   ///< (n_modes), cycles/time; 0 or rounding for rigid modes
   std::vector<double> omega_squared; ///< (n_modes), 1/time²; as computed, may be slightly negative for rigid modes
   std::vector<double> residuals;     ///< (n_modes), ‖K φ - ω² M φ‖ relative as the solver's documentation says
   std::vector<std::uint8_t> kind;    ///< (n_modes), values of Kind

@@ -141,7 +141,8 @@ TEST(ResultsFile, NumbersThatCannotBeAreRefusedWithTheirPath) {
     EXPECT_NE(message.find("bad.h5"), std::string::npos) << message;
   };
   expect_refused("/modes", [](Results& r) { r.eigen->modes[7] = std::nan(""); });
-  expect_refused("/frequencies", [](Results& r) { r.eigen->frequencies[8] = 0.5; });
+  expect_refused("/frequencies", [](Results& r) { r.eigen->frequencies[8] = -HUGE_VAL; });
+  expect_refused("/surface/steps", [](Results& r) { r.surface->steps[3] = 2.5; });
   expect_refused("/eigen/kind", [](Results& r) { r.eigen->kind[0] = 3; });
   expect_refused("/surface/triangles", [](Results& r) { r.surface->output.mesh.triangles[1][2] = 8; });
   expect_refused("/surface/region", [](Results& r) { r.surface->output.mesh.region[1] = -1; });

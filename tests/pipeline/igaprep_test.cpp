@@ -155,6 +155,16 @@ TEST_F(Igaprep, UnitesBodiesWhoseUnionHasNeedles) {
   }
 }
 
+// A switch that is not typed leaves the settings file alone.
+TEST_F(Igaprep, SettingsFileSwitchesStayOnUnlessAFlagTurnsThemOff) {
+  const TriangleMesh a = turned_box({0, 0, 0}, {1, 1, 1}), b = turned_box({0.5, 0.2, 0.2}, {1.5, 0.8, 0.8});
+  write_bytes(folder / "two.stl", ascii_stl(a) + ascii_stl(b));
+  write_bytes(folder / "prep.toml",
+              "input = \"two.stl\"\noutput = \"a.h5\"\n[surface]\nrepair = true\n[grid]\nspans = 8\n");
+  EXPECT_NEAR(number(json({"prep.toml"}), "volume"), 1 + 0.5 * 0.36, 1e-9);
+  EXPECT_EQ(run({"prep.toml", "--force", "--no-repair"}).exit_code, 2);
+}
+
 // A cavity that touches the outside leaves a wall without thickness: no span there holds its surface points.
 TEST_F(Igaprep, RefusesAWallWithoutMaterialAndWrapsIt) {
   TriangleMesh cavity = turned_box({-1, 0, 0}, {1, 1, 1});

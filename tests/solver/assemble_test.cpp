@@ -68,12 +68,23 @@ TEST_P(Assembly, MassIsDensityTimesVolumeAndItsRowSumsAreTheLumpedMass) {
   const SolutionSpace space(model, {remedy, 0.01});
   const auto connectivity = std::make_shared<const Connectivity>(space);
   const MassMatrix M = assemble_mass(space, connectivity, 2);
-  const Eigen::VectorXd lumped = lumped_mass(space, 2);
+  const Eigen::VectorXd lumped = row_sum_mass(space, 2);
   EXPECT_NEAR(lumped.sum(), 2 * 2.9 * 2.2 * 2.3, 1e-11);
   EXPECT_LT((M.row_sums() - lumped).cwiseAbs().maxCoeff(), 1e-12 * lumped.maxCoeff());
   // ∫ ρ x² dV from the coefficients of x
   const Eigen::VectorXd x = linear_field(space, Eigen::Vector3d(1, 0, 0).asDiagonal());
   EXPECT_NEAR(x.dot(M * x), 2 * 2.2 * 2.3 * (4.1 * 4.1 * 4.1 - 1.2 * 1.2 * 1.2) / 3, 1e-10);
+}
+
+TEST_P(Assembly, LumpedMassIsPositiveAndComplete) {
+  const auto& [p, remedy, is_isotropic] = GetParam();
+  const TrimmedModel model = test::make_box_model(a_box(p));
+  for (const double threshold : {0.01, 0.05, 0.2}) {
+    const SolutionSpace space(model, {remedy, threshold});
+    const Eigen::VectorXd lumped = lumped_mass(space, 2);
+    EXPECT_GT(lumped.minCoeff(), 0) << threshold;
+    EXPECT_NEAR(lumped.sum(), 2 * 2.9 * 2.2 * 2.3, 1e-11);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Cases, Assembly,

@@ -136,7 +136,7 @@ TEST(LowestModes, RodWithoutPoissonEffectSoundsAsItShould) {
 
 TEST(LowestModes, TwoBodiesHaveTwelveRigidModes) {
   const test::System s(test::make_two_boxes(), unit_shear);
-  ASSERT_EQ(find_bodies(s.space).count, 2);
+  ASSERT_EQ(separate_bodies(s.K.pattern()).count, 2);
   const EigenProblem problem = s.problem();
   const ModeSet set = lowest_modes(problem, {.modes = 4, .sturm = true});
   EXPECT_EQ(set.rigid, 12);

@@ -88,7 +88,7 @@ struct System {
     solve::EigenProblem p;
     p.stiffness = &K;
     p.mass = &M;
-    p.motions = solve::rigid_motions(space, solve::find_bodies(space));
+    p.motions = solve::rigid_motions(space, solve::separate_bodies(K.pattern()));
     p.lambda_scale = solve::lambda_scale(space, material);
     return p;
   }

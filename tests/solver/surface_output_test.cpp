@@ -161,7 +161,9 @@ TEST_P(SampledFields, OfALinearDisplacementAreExact) {
   const auto [degree, remedy] = GetParam();
   const TrimmedModel model = test::make_box_model(box_case(degree, true));
   const SolutionSpace space(model, {remedy, remedy == LightFunctions::None ? 0 : 0.2});
-  if (remedy != LightFunctions::None) EXPECT_GT(space.num_light(), 0);
+  if (remedy != LightFunctions::None) {
+    EXPECT_GT(space.num_light(), 0);
+  }
   const ElasticMaterial material = isotropic(50, 0.3, 1);
   const SurfaceResult result =
       sample_surface(space, material, subdivide_surface(model, 2), linear_fields(space), {1, 2}, Fields::All);

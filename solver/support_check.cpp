@@ -1,5 +1,6 @@
-#include "solver/free_motions.hpp"
+#include "solver/support_check.hpp"
 
+#include "solver/rigid_modes.hpp"
 #include "solver/support_rows.hpp"
 
 #include <Eigen/Eigenvalues>
@@ -9,7 +10,6 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <numeric>
 
 namespace iga::solve {
 
@@ -33,15 +33,22 @@ Eigen::Vector3d as_vector(const Point3& x) {
   return {x[0], x[1], x[2]};
 }
 
-std::vector<Body> measure(const TrimmedModel& model, const Bodies& bodies) {
+// A span belongs to the body of its nodes; one whose functions were all removed moves with none.
+std::size_t body_of(const SolutionSpace& space, const Bodies& bodies, std::int64_t a) {
+  if (space.nodes(a).empty()) return 0;
+  return static_cast<std::size_t>(bodies.of_node[static_cast<std::size_t>(space.nodes(a).front())]);
+}
+
+std::vector<Body> measure(const SolutionSpace& space, const Bodies& bodies) {
+  const TrimmedModel& model = space.model();
   std::vector<Body> all(static_cast<std::size_t>(bodies.count));
   const auto each = [&](auto&& use) {
     for (std::size_t a = 0; a < model.active.size(); ++a)
       for (std::int64_t q = model.points.offsets[a]; q < model.points.offsets[a + 1]; ++q) {
         const auto i = static_cast<std::size_t>(q);
         const double* u = model.points.parameters.data() + 3 * i;
-        use(all[static_cast<std::size_t>(bodies.of_span[a])], as_vector(model.grid.to_position({u[0], u[1], u[2]})),
-            model.points.weights[i]);
+        use(all[body_of(space, bodies, static_cast<std::int64_t>(a))],
+            as_vector(model.grid.to_position({u[0], u[1], u[2]})), model.points.weights[i]);
       }
   };
   each([](Body& body, const Eigen::Vector3d& x, double w) {
@@ -56,12 +63,12 @@ std::vector<Body> measure(const TrimmedModel& model, const Bodies& bodies) {
   return all;
 }
 
-void add_supports(const TrimmedModel& model, const Bodies& bodies, std::span<const PreparedSupport> supports,
+void add_supports(const SolutionSpace& space, const Bodies& bodies, std::span<const PreparedSupport> supports,
                   std::vector<Body>& all) {
   for (const PreparedSupport& prepared : supports)
     for (std::size_t s = 0; s < prepared.region.spans.size(); ++s) {
-      const PointBatch batch = gather(model, prepared.region, s);
-      Body& body = all[static_cast<std::size_t>(bodies.of_span[static_cast<std::size_t>(batch.span)])];
+      const PointBatch batch = gather(space.model(), prepared.region, s);
+      Body& body = all[body_of(space, bodies, batch.span)];
       for (std::size_t q = 0; q < batch.size(); ++q) {
         body.support_area += batch.weights[q];
         const FixedDirections fixed = fixed_directions(prepared.support, batch.normals[q], batch.positions[q]);
@@ -137,38 +144,11 @@ std::vector<std::string> describe(const Body& body, const Eigen::MatrixXd& twist
 
 } // namespace
 
-Bodies find_bodies(const SolutionSpace& space) {
-  std::vector<std::int32_t> parent(static_cast<std::size_t>(space.num_nodes()));
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](std::int32_t i) {
-    while (parent[static_cast<std::size_t>(i)] != i) {
-      auto& above = parent[static_cast<std::size_t>(i)];
-      i = above = parent[static_cast<std::size_t>(above)];
-    }
-    return i;
-  };
-  for (std::int64_t a = 0; a < space.num_spans(); ++a)
-    for (const std::int32_t node : space.nodes(a)) {
-      const std::int32_t one = root(node), other = root(space.nodes(a).front());
-      parent[static_cast<std::size_t>(std::max(one, other))] = std::min(one, other);
-    }
-  Bodies bodies;
-  bodies.of_node.resize(parent.size());
-  for (std::size_t i = 0; i < parent.size(); ++i) {
-    const auto own = static_cast<std::int32_t>(i);
-    bodies.of_node[i] = root(own) == own ? static_cast<std::int32_t>(bodies.count++)
-                                         : bodies.of_node[static_cast<std::size_t>(root(own))];
-  }
-  for (std::int64_t a = 0; a < space.num_spans(); ++a)
-    bodies.of_span.push_back(space.nodes(a).empty() ? 0
-                                                    : bodies.of_node[static_cast<std::size_t>(space.nodes(a).front())]);
-  return bodies;
-}
-
-std::vector<std::string> free_rigid_motions(const SolutionSpace& space, std::span<const PreparedSupport> supports) {
-  const Bodies bodies = find_bodies(space);
-  std::vector<Body> all = measure(space.model(), bodies);
-  add_supports(space.model(), bodies, supports, all);
+std::vector<std::string> free_rigid_motions(const SolutionSpace& space, const NodePattern& pattern,
+                                            std::span<const PreparedSupport> supports) {
+  const Bodies bodies = separate_bodies(pattern);
+  std::vector<Body> all = measure(space, bodies);
+  add_supports(space, bodies, supports, all);
   std::vector<std::string> lines;
   for (std::size_t b = 0; b < all.size(); ++b) {
     const Eigen::MatrixXd twists = free_twists(all[b]);

@@ -1,0 +1,32 @@
+#!/usr/bin/python3
+"""Runs a program and measures wall time, CPU time and peak memory of it alone."""
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+# A small process of its own starts the program: memory that the caller holds would otherwise count as the program's peak.
+LAUNCHER = """
+import json, resource, subprocess, sys, time
+start = time.perf_counter()
+code = subprocess.call(sys.argv[2:])
+wall = time.perf_counter() - start
+used = resource.getrusage(resource.RUSAGE_CHILDREN)
+with open(sys.argv[1], "w") as file:
+    json.dump({"exit_code": code, "wall_s": wall, "cpu_s": used.ru_utime + used.ru_stime,
+               "memory_mib": used.ru_maxrss / 1024}, file)
+"""
+
+
+def measured_run(command, log, folder=None, threads=1):
+    """Exit code, wall_s, cpu_s and memory_mib of a command whose output goes to the file `log`."""
+    environment = dict(os.environ)
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "CCX_NPROC_EQUATION_SOLVER", "CCX_NPROC_STIFFNESS"):
+        environment[name] = str(threads)
+    with tempfile.TemporaryDirectory() as scratch, open(log, "w") as output:
+        answer = Path(scratch) / "measured.json"
+        subprocess.run([sys.executable, "-S", "-c", LAUNCHER, answer, *map(str, command)], stdout=output,
+                       stderr=subprocess.STDOUT, cwd=folder, env=environment, check=True)
+        return json.loads(answer.read_text())

@@ -1,0 +1,180 @@
+"""Pictures of a results file for render.py: modes and deformed shapes, coloured by |u| or von Mises stress."""
+import sys
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.colors import Normalize
+from vtkmodules.util.numpy_support import numpy_to_vtk
+from vtkmodules.vtkFiltersHybrid import vtkPolyDataSilhouette
+
+import iga_results
+from drawing import PIXELS, actor_of, page, picture, save, triangle_mesh, with_normals
+
+COLOURS = plt.get_cmap("turbo")
+SHEET = 6  # modes
+COLUMNS = 3
+TILE = (860, 640)
+MODE_SHARE = 0.08  # largest displacement of a mode over the diagonal of the part's box: clearly seen, still the part
+STATIC_SHARE = 0.05
+SPIKES = 99.8  # percentile that ends the scale of stresses: a few points of a sharp corner would make all else dark blue
+REST_COLOUR = (0.55, 0.57, 0.60)
+LABELS = {"displacement": "|u|", "von_mises": "von Mises stress"}
+
+
+class Shapes:
+    """What the pictures need of a results file."""
+
+    def __init__(self, path):
+        self.results = iga_results.read(path)
+        if "/surface" not in self.results:
+            sys.exit(f"render.py: {path}: holds no fields on the surface to draw")
+        self.stem = path.stem
+        self.title = self.results.attribute("/", "title") or path.stem
+        self.vertices, self.triangles = self.results["/surface/vertices"], self.results["/surface/triangles"]
+        self.diagonal = float(np.linalg.norm(np.ptp(self.vertices, axis=0)))
+        unit = self.results.attribute("/", "length_unit")
+        self.unit = "" if unit == "unspecified" else f" {unit}"
+
+    def displacement(self, step):
+        return self.results["/surface/displacement"][step]
+
+    def values(self, step, colour):
+        """What the colour shows at every vertex."""
+        if colour == "displacement":
+            return np.linalg.norm(self.displacement(step), axis=1)
+        if "/surface/von_mises" not in self.results:
+            sys.exit("render.py: the file holds no von Mises stress on the surface; use --colour displacement")
+        return self.results["/surface/von_mises"][step]
+
+    def factor(self, step, share):
+        """Exaggeration that makes the largest displacement this share of the part's diagonal."""
+        largest = np.linalg.norm(self.displacement(step), axis=1).max(initial=0)
+        return share * self.diagonal / largest if largest > 0 else 1.0
+
+
+def outline(shapes, sight):
+    """Sharp edges and silhouette of the part at rest."""
+    lines = vtkPolyDataSilhouette()
+    lines.SetInputData(triangle_mesh(shapes.vertices, shapes.triangles))
+    lines.SetDirectionToSpecifiedVector()
+    lines.SetVector(*(-np.asarray(sight)))
+    lines.SetEnableFeatureAngle(1)
+    lines.SetFeatureAngle(40)
+    lines.Update()
+    return actor_of(lines.GetOutput(), colour=REST_COLOUR, lines=1.2, flat=True)
+
+
+def deformed(shapes, step, factor, values, norm):
+    poly = triangle_mesh(shapes.vertices + factor * shapes.displacement(step), shapes.triangles)
+    colours = (255 * COLOURS(norm(values))[:, :3]).astype(np.uint8)
+    poly.GetPointData().SetScalars(numpy_to_vtk(colours, deep=True))
+    actor = actor_of(with_normals(poly))
+    actor.GetMapper().SetScalarVisibility(True)
+    return actor
+
+
+def extent(shapes, steps, factors):
+    """Points that a picture must hold: the part at rest and deformed."""
+    return np.concatenate([shapes.vertices] + [shapes.vertices + factor * shapes.displacement(step)
+                                               for step, factor in zip(steps, factors)])
+
+
+def draw_shape(shapes, step, factor, values, norm, sight, fit, pixels=PIXELS):
+    up = (0, 0, 1) if abs(sight[2]) < 0.99 * np.linalg.norm(sight) else (0, 1, 0)
+    return picture([deformed(shapes, step, factor, values, norm), outline(shapes, sight)], sight, up, fit, pixels)
+
+
+def normalised(values, colour):
+    """Values over their largest, which means nothing in a mode; stresses over nearly the largest."""
+    top = np.percentile(values, SPIKES) if colour == "von_mises" else values.max(initial=0)
+    return values / top if top > 0 else values
+
+
+def frequency_text(shapes, step):
+    kind = shapes.results.kinds()[step]
+    frequency = f"f = {shapes.results['/frequencies'][step]:.5g}"
+    return {"RIGID": "rigid", "ELASTIC": frequency, "MECHANISM": f"{frequency} (mechanism)"}[kind]
+
+
+def draw_sheet(shapes, colour, scale, sight, file):
+    steps = shapes.results.elastic()[:SHEET]
+    if not steps:
+        sys.exit("render.py: the file holds no elastic mode; ask igasolve for more with --modes")
+    columns = min(COLUMNS, len(steps))
+    rows = -(-len(steps) // columns)
+    head, foot, caption = 130, 110, 46
+    width, height = columns * TILE[0], head + foot + rows * (TILE[1] + caption)
+    figure = plt.figure(figsize=(width / 100, height / 100), dpi=100, facecolor="white")
+    factors = [scale or shapes.factor(step, MODE_SHARE) for step in steps]
+    fit = extent(shapes, steps, factors)  # all in the same size
+    for place, (step, factor) in enumerate(zip(steps, factors)):
+        row, column = divmod(place, columns)
+        values = normalised(shapes.values(step, colour), colour)
+        pixels = draw_shape(shapes, step, factor, values, Normalize(0, 1), sight, fit, TILE)
+        bottom = height - head - (row + 1) * (TILE[1] + caption)
+        axes = figure.add_axes([column * TILE[0] / width, (bottom + caption) / height, TILE[0] / width, TILE[1] / height])
+        axes.imshow(pixels, interpolation="nearest", aspect="auto")
+        axes.axis("off")
+        figure.text((column + 0.5) * TILE[0] / width, (bottom + 0.55 * caption) / height,
+                    f"mode {step + 1}:  {frequency_text(shapes, step)}", fontsize=19, color="#20242a", ha="center",
+                    va="center")
+    figure.text(36 / width, 1 - 46 / height, f"{shapes.title}: the first {len(steps)} elastic modes", fontsize=26,
+                weight="bold", color="#20242a", va="center")
+    figure.text(36 / width, 1 - 96 / height, f"{describe(shapes)}; frequencies in cycles per unit of time", fontsize=17,
+                color="#4a5058", va="center")
+    bar_axes = figure.add_axes([0.32, 70 / height, 0.36, 20 / height])
+    bar = figure.colorbar(plt.cm.ScalarMappable(Normalize(0, 1), COLOURS), cax=bar_axes, orientation="horizontal")
+    bar.set_label(f"{LABELS[colour]} over its largest value in each mode", fontsize=15, color="#20242a")
+    bar.ax.tick_params(labelsize=13)
+    save(figure, file)
+
+
+def describe(shapes):
+    rigid = shapes.results.kinds().count("RIGID")
+    found = f"{rigid} rigid modes" if rigid != 1 else "1 rigid mode"
+    mass = shapes.results.attribute("/eigen", "mass")
+    return f"{int(shapes.results.attribute('/functions', 'unknowns')):,} unknowns, {mass} mass, {found}"
+
+
+def draw_mode(shapes, step, colour, scale, sight, file):
+    factor = scale or shapes.factor(step, MODE_SHARE)
+    values = normalised(shapes.values(step, colour), colour)
+    pixels = draw_shape(shapes, step, factor, values, Normalize(0, 1), sight, extent(shapes, [step], [factor]))
+    page(pixels, f"{shapes.title}: mode {step + 1}", f"{frequency_text(shapes, step)} (cycles per unit of time); {describe(shapes)}",
+         file, colour_bar=(plt.cm.ScalarMappable(Normalize(0, 1), COLOURS), f"{LABELS[colour]} over its largest value"),
+         extend="neither" if colour == "displacement" else "max")
+
+
+def draw_static(shapes, colour, scale, sight, file):
+    step = len(shapes.results["/surface/steps"]) - 1
+    factor = scale or shapes.factor(step, STATIC_SHARE)
+    values = shapes.values(step, colour)
+    top = float(np.percentile(values, SPIKES) if colour == "von_mises" else values.max(initial=0))
+    norm = Normalize(0, top if top > 0 else 1)
+    pixels = draw_shape(shapes, step, factor, values, norm, sight, extent(shapes, [step], [factor]))
+    largest = np.linalg.norm(shapes.displacement(step), axis=1).max(initial=0)
+    label = f"|u|{' in' + shapes.unit if shapes.unit else ''}" if colour == "displacement" else LABELS[colour]
+    page(pixels, shapes.title, f"largest displacement {largest:.4g}{shapes.unit}, drawn {factor:.3g} times as large; "
+         f"largest von Mises stress {shapes.values(step, 'von_mises').max(initial=0):.4g}",
+         file, colour_bar=(plt.cm.ScalarMappable(norm, COLOURS), label), extend="max" if values.max(initial=0) > top else "neither")
+
+
+def draw(arguments, folder):
+    """The pictures that the command line asks for."""
+    try:
+        shapes = Shapes(arguments.file)
+    except (OSError, iga_results.FormatError) as error:
+        sys.exit(f"render.py: {arguments.file}: {error}")
+    if shapes.results.analysis != "eigen":
+        if arguments.mode:
+            sys.exit(f"render.py: {arguments.file}: holds no modes; leave out --mode")
+        colour = arguments.colour or "von_mises"
+        draw_static(shapes, colour, arguments.scale, arguments.sight, folder / f"{shapes.stem}_static.png")
+        return
+    colour, count = arguments.colour or "displacement", len(shapes.results["/surface/steps"])
+    for number in arguments.mode:
+        if not 1 <= number <= count:
+            sys.exit(f"render.py: mode {number} is not in the file; it holds 1 … {count}")
+        draw_mode(shapes, number - 1, colour, arguments.scale, arguments.sight, folder / f"{shapes.stem}_mode_{number}.png")
+    if not arguments.mode:
+        draw_sheet(shapes, colour, arguments.scale, arguments.sight, folder / f"{shapes.stem}_modes.png")

@@ -1,0 +1,226 @@
+// igasolve as a user runs it: modes, time step and statics from a model file, and what it says to bad input.
+#include "format/io/trimmed_model_io.hpp"
+#include "tests/pipeline/json_text.hpp"
+#include "tests/support/run_program.hpp"
+#include "tests/support/synthetic_model.hpp"
+#include "tests/support/temp_folder.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <numbers>
+#include <unistd.h>
+
+namespace iga::test {
+namespace {
+
+// A unit cube in spans of a third, its corner inside a span.
+BoxCase a_cube() {
+  const double h = 1.0 / 3;
+  return {{0, 0, 0},         {8 * h, 8 * h, 8 * h}, {8, 8, 8},       {2, 2, 2},
+          identity_rotation, {0.8, 0.9, 0.85},      {1.8, 1.9, 1.85}};
+}
+
+const std::vector<std::string> material{"--E", "1", "--nu", "0.3", "--rho", "1"};
+
+struct Igasolve : testing::Test {
+  TempFolder folder;
+  RunOptions options;
+  void SetUp() override {
+    options.folder = folder.path();
+    io::write_model(folder / "cube.h5", make_box_model(a_cube()));
+  }
+  ProgramRun run(std::vector<std::string> arguments, bool with_material = true) {
+    if (with_material) arguments.insert(arguments.end(), material.begin(), material.end());
+    return run_program(IGASOLVE, arguments, options);
+  }
+  std::map<std::string, std::string> json(std::vector<std::string> arguments, bool with_material = true) {
+    arguments.emplace_back("--json");
+    const ProgramRun r = run(std::move(arguments), with_material);
+    EXPECT_EQ(r.exit_code, 0) << r.err;
+    return r.exit_code == 0 ? parse_json(r.out) : std::map<std::string, std::string>{};
+  }
+};
+
+double number(const std::map<std::string, std::string>& report, const std::string& key) {
+  const auto it = report.find(key);
+  return it == report.end() ? std::nan("") : std::stod(it->second);
+}
+
+TEST_F(Igasolve, FindsTheModesOfAFreeCube) {
+  const auto r = json({"eigen", "cube.h5", "--modes", "8"});
+  EXPECT_EQ(number(r, "rigid_modes"), 6);
+  EXPECT_EQ(number(r, "mechanisms"), 0);
+  EXPECT_EQ(number(r, "bodies"), 1);
+  EXPECT_EQ(number(r, "sturm.expected"), number(r, "sturm.found"));
+  EXPECT_NEAR(number(r, "mass"), 1, 1e-11);
+  // ω L √(ρ/E) of the free cube, nu = 0.3 (Demarest 1971): 2, 3, 3 equal modes; h = L/3 is coarse and too stiff
+  const double expected[] = {1.771244, 1.771244, 2.385170, 2.385170, 2.385170, 2.425655, 2.425655, 2.425655};
+  for (int m = 0; m < 8; ++m) {
+    const double omega = 2 * std::numbers::pi * number(r, "frequencies." + std::to_string(6 + m));
+    EXPECT_GT(omega, expected[m] * (1 - 1e-4)) << m;
+    EXPECT_LT(omega, expected[m] * (1 + 1e-2)) << m;
+    EXPECT_LE(number(r, "residuals." + std::to_string(6 + m)), 1e-8);
+  }
+}
+
+TEST_F(Igasolve, ReportsTheTimeStepAndTheLargestFrequency) {
+  const auto largest = json({"eigen", "cube.h5", "--largest", "--light-functions", "none"});
+  const auto step = json({"timestep", "cube.h5", "--light-functions", "none"});
+  const double omega = number(largest, "omega_max");
+  EXPECT_NEAR(number(largest, "dt_crit"), 2 / omega, 1e-12);
+  EXPECT_NEAR(number(step, "omega_max") / omega, 1, 1e-3);
+  EXPECT_GE(number(step, "omega_max_bound"), omega);
+  EXPECT_GE(number(largest, "omega_max_bound"), omega); // from the spans alone
+  // and the default remedy needs no larger step than the spans give
+  EXPECT_GT(number(json({"timestep", "cube.h5"}), "dt_crit"), 0.8 * number(largest, "dt_crit"));
+}
+
+TEST_F(Igasolve, WritesResultsOnceAndReplacesThemOnlyWhenAsked) {
+  EXPECT_EQ(run({"eigen", "cube.h5", "--modes", "2", "-o", "modes.h5", "--quiet"}).exit_code, 0);
+  EXPECT_EQ(entries(folder.path()), (std::vector<std::string>{"cube.h5", "modes.h5", "modes.pvd", "modes_vtp"}));
+  const std::string bytes = read_bytes(folder / "modes.h5");
+  const ProgramRun again = run({"eigen", "cube.h5", "--modes", "3", "-o", "modes.h5"});
+  EXPECT_EQ(again.exit_code, 2);
+  EXPECT_NE(again.err.find("--force"), std::string::npos) << again.err;
+  EXPECT_EQ(read_bytes(folder / "modes.h5"), bytes);
+  EXPECT_EQ(run({"eigen", "cube.h5", "--modes", "3", "-o", "modes.h5", "--force"}).exit_code, 0);
+}
+
+TEST_F(Igasolve, TakesARunFileAndFlagsOverrideIt) {
+  write_bytes(
+      folder / "run.toml",
+      "model = \"cube.h5\"\nunits = \"mm\"\n[material]\nE = 4\nnu = 0.3\nrho = 1\n[eigen]\nmodes = 1\n");
+  const auto file = json({"eigen", "run.toml"}, false),
+             flags = json({"eigen", "run.toml", "--E", "1", "--modes", "2"}, false);
+  EXPECT_EQ(number(file, "elastic_modes"), 1);
+  EXPECT_EQ(number(flags, "elastic_modes"), 2);
+  EXPECT_NEAR(number(file, "frequencies.6") / number(flags, "frequencies.6"), 2, 1e-9);
+}
+
+TEST_F(Igasolve, SolvesAColumnUnderItsOwnPressure) {
+  write_bytes(folder / "column.toml", R"(
+model = "cube.h5"
+[material]
+E = 100
+nu = 0
+[[support]]
+name = "foot"
+normal.direction = [0, 0, -1]
+[[load]]
+name = "lid"
+normal.direction = [0, 0, 1]
+pressure = 2
+[[probe]]
+name = "top"
+position = [1.3, 1.4, 1.85]
+)");
+  const auto r = json({"static", "column.toml", "-o", "column.h5"}, false);
+  EXPECT_NEAR(number(r, "statics.supports.0.force.2"), 2, 1e-9);
+  EXPECT_NEAR(number(r, "statics.probes.0.displacement.2"), -0.02, 1e-9);
+  EXPECT_NEAR(number(r, "statics.probes.0.von_mises"), 2, 1e-7);
+}
+
+struct Case {
+  const char* name;
+  std::vector<std::string> arguments; // material flags are added unless a run file is given
+  int exit_code;
+  std::vector<std::string> words;
+};
+
+void PrintTo(const Case& c, std::ostream* out) {
+  *out << c.name;
+}
+
+struct IgasolveRefuses : testing::TestWithParam<Case> {
+  TempFolder folder;
+  RunOptions options;
+  void SetUp() override {
+    options.folder = folder.path();
+    const TrimmedModel model = make_box_model(a_cube());
+    io::write_model(folder / "cube.h5", model);
+    write_bytes(folder / "notes.h5", "no model\n");
+    write_bytes(folder / "cut.h5", read_bytes(folder / "cube.h5").substr(0, 3000));
+    const std::string head = "model = \"cube.h5\"\n[material]\nE = 1\nnu = 0.3\nrho = 1\n";
+    write_bytes(folder / "unknown.toml", head + "[eigen]\nmods = 3\n");
+    write_bytes(folder / "type.toml", head + "[eigen]\nmodes = \"three\"\n");
+    write_bytes(folder / "units.toml", "units = \"inch\"\n" + head);
+    write_bytes(
+        folder / "C.toml", "model = \"cube.h5\"\n[material]\nrho = 1\nC = [" + [] {
+          std::string text;
+          for (int i = 0; i < 36; ++i) text += i % 7 ? "0, " : i == 35 ? "-1" : "1, ";
+          return text;
+        }() + "]\n");
+    write_bytes(folder / "free.toml", head + "[[load]]\nname = \"push\"\nnormal.direction = [0, 0, 1]\npressure = 1\n");
+    write_bytes(folder / "gravity.toml", "model = \"cube.h5\"\n[material]\nE = 1\nnu = 0.3\n[[support]]\nwhole_surface "
+                                         "= true\n[[load]]\nacceleration = [0, 0, -9.81]\n");
+    write_bytes(folder / "sliding.toml",
+                head + "[[support]]\nname = \"floor\"\nnormal.direction = [0, 0, -1]\nfixed = \"z\"\n");
+    write_bytes(folder / "nowhere.toml", head + "[[support]]\nname = \"roof\"\nbox = [5, 5, 5, 6, 6, 6]\n");
+    write_bytes(
+        folder / "outside.toml",
+        head + "[[support]]\nname = \"all\"\nwhole_surface = true\n[[probe]]\nname = \"far\"\nposition = [9, 9, 9]\n");
+  }
+};
+
+TEST_P(IgasolveRefuses, WithItsCodeAndAMessage) {
+  const Case& c = GetParam();
+  std::vector<std::string> arguments = c.arguments;
+  const bool has_run_file = arguments.size() > 1 && arguments[1].ends_with(".toml");
+  if (!has_run_file && arguments.size() > 1 && arguments[0] != "info" && arguments[0] != "check")
+    for (std::size_t k = 0; k < material.size(); k += 2)
+      if (std::find(arguments.begin(), arguments.end(), material[k]) == arguments.end())
+        arguments.insert(arguments.end(), {material[k], material[k + 1]});
+  const auto before = entries(folder.path());
+  const ProgramRun run = run_program(IGASOLVE, arguments, options);
+  EXPECT_EQ(run.exit_code, c.exit_code) << run.err;
+  EXPECT_EQ(run.out, "");
+  for (const std::string& word : c.words)
+    EXPECT_NE(run.err.find(word), std::string::npos) << word << " is missing in: " << run.err;
+  EXPECT_EQ(entries(folder.path()), before);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    BadInput, IgasolveRefuses,
+    testing::Values(Case{"NoCommand", {}, 2, {"--help"}}, Case{"NoModel", {"eigen"}, 2, {"no model file"}},
+                    Case{"Missing", {"eigen", "absent.h5"}, 2, {"absent.h5"}},
+                    Case{"NotAModel", {"eigen", "notes.h5"}, 3, {"notes.h5"}},
+                    Case{"Truncated", {"eigen", "cut.h5"}, 3, {"cut.h5"}},
+                    Case{"MissingRunFile", {"eigen", "absent.toml"}, 2, {"absent.toml"}},
+                    Case{"UnknownFlag", {"eigen", "cube.h5", "--mods", "3"}, 2, {"--mods", "--modes"}},
+                    Case{"UnknownKey", {"eigen", "unknown.toml"}, 2, {"unknown.toml:7", "mods", "modes"}},
+                    Case{"WrongType", {"eigen", "type.toml"}, 2, {"type.toml:7", "modes", "\"three\"", "integer"}},
+                    Case{"OtherUnits", {"eigen", "units.toml"}, 2, {"inch", "mm"}},
+                    Case{"Incompressible", {"eigen", "cube.h5", "--nu", "0.5"}, 2, {"nu = 0.5", "incompressible"}},
+                    Case{"NegativeModulus", {"eigen", "cube.h5", "--E", "-1"}, 2, {"E = -1", "positive"}},
+                    Case{"NoDensity", {"eigen", "cube.h5", "--rho", "0"}, 2, {"rho = 0"}},
+                    Case{"NotDefinite", {"eigen", "C.toml"}, 2, {"positive definite"}},
+                    Case{"UnknownMass", {"eigen", "cube.h5", "--mass", "lumpt"}, 2, {"lumpt", "lumped"}},
+                    Case{"UnknownRemedy", {"eigen", "cube.h5", "--light-functions", "lineal"}, 2, {"lineal", "linear"}},
+                    Case{"NoModes", {"eigen", "cube.h5", "--modes", "0"}, 2, {"modes", "0"}},
+                    Case{"MoreModesThanUnknowns", {"eigen", "cube.h5", "--modes", "900000"}, 2, {"900000", "unknowns"}},
+                    Case{"OutputFolderMissing", {"eigen", "cube.h5", "-o", "nowhere/modes.h5"}, 2, {"nowhere"}},
+                    Case{"AllRemoved",
+                         {"eigen", "cube.h5", "--light-functions", "remove", "--light-threshold", "0.9999"},
+                         2,
+                         {"threshold"}},
+                    Case{"NoSupports", {"static", "free.toml"}, 2, {"translation", "rotation"}},
+                    Case{"TooFewSupports", {"static", "sliding.toml"}, 2, {"translation", "rotation"}},
+                    Case{"NoDensityForGravity", {"static", "gravity.toml"}, 2, {"rho", "acceleration"}},
+                    Case{"EmptyRegion", {"static", "nowhere.toml"}, 2, {"roof"}},
+                    Case{"ProbeOutside", {"static", "outside.toml"}, 2, {"far"}}),
+    [](const testing::TestParamInfo<Case>& chosen) { return chosen.param.name; });
+
+TEST_F(Igasolve, RefusesAReadOnlyFolderBeforeItWorks) {
+  if (geteuid() == 0) GTEST_SKIP() << "the superuser may write everywhere";
+  std::filesystem::create_directory(folder / "closed");
+  std::filesystem::permissions(folder / "closed",
+                               std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
+  const ProgramRun r = run({"eigen", "cube.h5", "-o", "closed/modes.h5"});
+  std::filesystem::permissions(folder / "closed", std::filesystem::perms::owner_all);
+  EXPECT_EQ(r.exit_code, 2);
+  EXPECT_NE(r.err.find("closed"), std::string::npos) << r.err;
+}
+
+} // namespace
+} // namespace iga::test

@@ -1,0 +1,270 @@
+// Reactions, definiteness and refusals of supports and loads on exact boxes.
+#include "format/model/errors.hpp"
+#include "solver/assemble.hpp"
+#include "solver/support_check.hpp"
+#include "tests/solver/static_support.hpp"
+#include "tests/support/synthetic_model.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <gtest/gtest.h>
+
+using namespace iga;
+using namespace iga::solve;
+using namespace iga::test;
+
+namespace {
+
+BoxCase tilted_box(int p) {
+  BoxCase box;
+  box.A = {0, 0, 0};
+  box.B = {7, 7, 7};
+  box.spans = {7, 7, 7};
+  box.degree = {p, p, p};
+  box.rotation = some_rotation(0.6);
+  box.lower = {2.4, 2.2, 2.7};
+  box.upper = {4.7, 4.6, 4.3};
+  return box;
+}
+
+Point3 axis(const TrimmedModel& model, std::size_t d) {
+  const Rotation& R = model.grid.rotation();
+  return {R[0][d], R[1][d], R[2][d]};
+}
+
+Support on_face(const std::string& name, SupportMethod method = SupportMethod::Nitsche) {
+  Support support;
+  support.name = name;
+  support.region.name = name;
+  support.method = method;
+  return support;
+}
+
+StaticSettings all_kinds_of_loads(const TrimmedModel& model) {
+  StaticSettings settings;
+  Load load;
+  load.name = "weight";
+  load.kind = LoadKind::BodyForce;
+  load.vector = {0.01, -0.02, 0.03};
+  settings.loads.push_back(load);
+  load = {};
+  load.name = "pressure";
+  load.kind = LoadKind::Pressure;
+  load.pressure = 0.5;
+  load.region.name = "u+";
+  settings.loads.push_back(load);
+  load = {};
+  load.name = "shear";
+  load.vector = {0.1, 0, 0};
+  load.frame = model.grid.rotation();
+  load.region.name = "w+";
+  settings.loads.push_back(load);
+  load = {};
+  load.name = "pull";
+  load.kind = LoadKind::Point;
+  load.vector = {0, 0, 0.2};
+  load.position = model.grid.to_position({4, 4, 4});
+  settings.loads.push_back(load);
+  return settings;
+}
+
+Eigen::MatrixXd dense(const StiffnessMatrix& K) {
+  Eigen::MatrixXd D(K.size(), K.size());
+  for (Eigen::Index i = 0; i < K.size(); ++i) D.col(i) = K * Eigen::VectorXd::Unit(K.size(), i);
+  return D;
+}
+
+class EveryMethod : public ::testing::TestWithParam<SupportMethod> {};
+
+} // namespace
+
+TEST_P(EveryMethod, ReactionsBalanceTheLoads) {
+  const TrimmedModel model = make_box_model(tilted_box(2));
+  const SolutionSpace space(model, usual());
+  const StaticSettings settings = all_kinds_of_loads(model);
+  const RunSettings run = run_with({on_face("u-", GetParam())});
+  const StaticSolution s = run_static(run, settings, space);
+  for (std::size_t d = 0; d < 3; ++d) {
+    EXPECT_NEAR(s.force_balance[d], 0, 1e-10);
+    EXPECT_NEAR(s.moment_balance[d], 0, 1e-9);
+  }
+  // Clapeyron: strain energy = work of the loads and of the reactions, up to what the weak condition leaves open.
+  EXPECT_NEAR(s.result.strain_energy / (s.result.external_work + s.support_work), 1, 0.02);
+  EXPECT_LT(s.residual, 1e-12);
+}
+
+TEST_P(EveryMethod, ResultantsOfLoadsAreExact) {
+  const TrimmedModel model = make_box_model(tilted_box(2));
+  const SolutionSpace space(model, usual());
+  const LoadTerms terms = assemble_loads(space, 1, all_kinds_of_loads(model).loads);
+  const double volume = 2.3 * 2.4 * 1.6;
+  const Point3 u = axis(model, 0);
+  for (std::size_t d = 0; d < 3; ++d) {
+    EXPECT_NEAR(terms.reports[0].force[d], volume * (Point3{0.01, -0.02, 0.03}[d]), 1e-12);
+    EXPECT_NEAR(terms.reports[1].force[d], -0.5 * 2.4 * 1.6 * u[d], 1e-12);
+    EXPECT_NEAR(terms.reports[2].force[d], 0.1 * 2.3 * 2.4 * u[d], 1e-12);
+    EXPECT_NEAR(terms.reports[3].force[d], (Point3{0, 0, 0.2}[d]), 1e-15);
+    double sum = 0, expected = 0; // the shape functions sum to one
+    for (Eigen::Index i = 0; i < terms.load.size() / 3; ++i) sum += terms.load[3 * i + static_cast<Eigen::Index>(d)];
+    for (const LoadReport& report : terms.reports) expected += report.force[d];
+    EXPECT_NEAR(sum, expected, 1e-12);
+  }
+}
+
+// A bar on frictionless walls, pulled: uniaxial stress, exact for every method.
+TEST_P(EveryMethod, GuidesAndSymmetryPlanesLetTheRestSlide) {
+  for (const int p : {1, 2, 3}) {
+    const TrimmedModel model = make_box_model(tilted_box(p));
+    const SolutionSpace space(model, usual());
+    std::vector<Support> supports;
+    for (const char* face : {"u-", "v-", "w-"}) {
+      supports.push_back(on_face(face, GetParam()));
+      supports.back().along_normal = face[0] != 'v';
+      supports.back().fixed = {false, true, false}; // v-: the same through a turned frame
+      supports.back().frame = model.grid.rotation();
+      supports.back().penalty_factor = 1e8;
+    }
+    Load pull;
+    pull.name = "pull";
+    pull.region.name = "u+";
+    pull.vector = times(axis(model, 0), 2.0);
+    const RunSettings run = run_with(supports);
+    StaticSettings settings;
+    settings.loads = {pull};
+    settings.probes = {{"end", model.grid.to_position({4.7, 4.6, 4.3})}};
+    const StaticSolution s = run_static(run, settings, space);
+    for (const double stress : s.result.points.von_mises) EXPECT_NEAR(stress, 2, 1e-5);
+    const Point3 u{s.result.probes.fields.displacement[0], s.result.probes.fields.displacement[1],
+                   s.result.probes.fields.displacement[2]};
+    EXPECT_NEAR(dot(u, axis(model, 0)), 2.0 / 210 * 2.3, 1e-6);
+    EXPECT_NEAR(dot(u, axis(model, 1)), -0.3 * 2.0 / 210 * 2.4, 1e-6);
+    EXPECT_NEAR(dot(s.reactions[0].force, axis(model, 0)), -2.0 * 2.4 * 1.6, 1e-7);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, EveryMethod,
+                         ::testing::Values(SupportMethod::Nitsche, SupportMethod::Penalty, SupportMethod::Lagrange));
+
+// Layers from a whole span down to a millionth on all sides, without and with treatment of light functions.
+TEST(Nitsche, IsPositiveDefiniteOnAnyCut) {
+  for (const int p : {1, 2})
+    for (const double layer : {1.0, 0.5, 1e-1, 1e-2, 1e-3, 1e-4})
+      for (const LightTreatment& treatment : {usual(), LightTreatment{}}) {
+        if (treatment.remedy == LightFunctions::None && layer < 1e-3)
+          continue; // functions without material to speak of
+        BoxCase box;
+        box.B = {7, 7, 7};
+        box.spans = {7, 7, 7};
+        box.degree = {p, p, p};
+        box.lower = {3 - layer, 3 - 0.3 * layer, 3};
+        box.upper = {4 + layer, 4, 4 + 0.6 * layer};
+        const TrimmedModel model = make_box_model(box);
+        const SolutionSpace space(model, treatment);
+        StiffnessMatrix K =
+            assemble_stiffness(space, std::make_shared<const Connectivity>(space), isotropic(1, 0.3, 1));
+        std::vector<Support> supports;
+        for (const char* face : {"u-", "u+", "v+", "w-"}) supports.push_back(on_face(face));
+        supports[1].along_normal = true;
+        apply_supports(space, isotropic(1, 0.3, 1), supports, K);
+        const Eigen::VectorXd scale = K.diagonal().cwiseSqrt().cwiseInverse();
+        const Eigen::MatrixXd scaled = scale.asDiagonal() * dense(K) * scale.asDiagonal();
+        const double least =
+            Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled, Eigen::EigenvaluesOnly).eigenvalues()[0];
+        EXPECT_GT(least, 1e-13) << "p " << p << ", layer " << layer;
+      }
+}
+
+TEST(FreeMotions, AreNamed) {
+  BoxCase box;
+  box.degree = {2, 2, 2};
+  const TrimmedModel model = make_box_model(box); // 1.25 … 4.75, 1.5 … 3.5, 1 … 2.6
+  const SolutionSpace space(model, usual());
+  const auto message = [&](const std::vector<Support>& supports) -> std::string {
+    try {
+      run_static(run_with(supports), {}, space);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const auto has = [](const std::string& text, const char* words) {
+    EXPECT_NE(text.find(words), std::string::npos) << words << " in:\n" << text;
+  };
+  const std::string none = message({});
+  has(none, "no support is given");
+  for (const char* motion :
+       {"translation along (1, 0, 0)", "translation along (0, 1, 0)", "translation along (0, 0, 1)",
+        "rotation about the axis (1, 0, 0)", "rotation about the axis (0, 0, 1)"})
+    has(none, motion);
+  Support floor = on_face("w-");
+  floor.along_normal = true;
+  const std::string slides = message({floor});
+  has(slides, "translation along (1, 0, 0), translation along (0, 1, 0), rotation about the axis (0, 0, 1)");
+  EXPECT_EQ(slides.find("translation along (0, 0, 1)"), std::string::npos) << slides;
+  Support wall = on_face("u-");
+  wall.along_normal = true;
+  EXPECT_EQ(message({floor, wall}).find("rotation"), std::string::npos);
+  EXPECT_EQ(message({on_face("v+")}), "");
+}
+
+TEST(Regions, AreChosenInEveryWayAndTheirIntersections) {
+  const TrimmedModel model = make_box_model(); // 1.25 … 4.75, 1.5 … 3.5, 1 … 2.6
+  const auto area = [&](const RegionChoice& choice) { return choose_region(model, choice, "test").report.area; };
+  RegionChoice choice;
+  EXPECT_NEAR(area(choice), 2 * (3.5 * 2 + 3.5 * 1.6 + 2 * 1.6), 1e-12);
+  choice.name = "u+";
+  EXPECT_NEAR(area(choice), 2 * 1.6, 1e-12);
+  const RegionReport report = choose_region(model, choice, "test").report;
+  for (std::size_t d = 0; d < 3; ++d) EXPECT_NEAR(report.centroid[d], (Point3{4.75, 2.5, 1.8}[d]), 1e-12);
+  choice = {};
+  choice.number = 4;
+  EXPECT_NEAR(area(choice), 3.5 * 2, 1e-12);
+  choice = {};
+  choice.box = Box3{{0, 0, 0}, {2, 10, 10}}; // up to a grid plane
+  EXPECT_NEAR(area(choice), 2 * 1.6 + 2 * 0.75 * (2 + 1.6), 1e-12);
+  choice.normal = RegionChoice::Direction{{0, 0, 5}, 1};
+  EXPECT_NEAR(area(choice), 0.75 * 2, 1e-12);
+  choice = {};
+  choice.plane = RegionChoice::Plane{{0, 3.5, 0}, {0, -2, 0}, 0};
+  EXPECT_NEAR(area(choice), 3.5 * 1.6, 1e-12);
+}
+
+TEST(Regions, EmptyChoicesAreRefusedWithWhatThereIs) {
+  const TrimmedModel model = make_box_model();
+  const auto message = [&](const RegionChoice& choice) -> std::string {
+    try {
+      choose_region(model, choice, "support 'base'");
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  RegionChoice choice;
+  choice.name = "u*";
+  EXPECT_NE(message(choice).find("support 'base': there is no region 'u*'"), std::string::npos) << message(choice);
+  EXPECT_NE(message(choice).find("4 'w-' (area 7)"), std::string::npos) << message(choice);
+  choice = {};
+  choice.number = 6;
+  EXPECT_NE(message(choice).find("no region number 6"), std::string::npos);
+  choice = {};
+  choice.box = Box3{{0, 0, 0}, {1, 1, 0.5}};
+  EXPECT_NE(message(choice).find("no part of the surface"), std::string::npos);
+}
+
+TEST(Locate, PointsOfThePartHaveASpanAndOthersAreRefused) {
+  const TrimmedModel model = make_box_model(); // 1.25 … 4.75, 1.5 … 3.5, 1 … 2.6
+  EXPECT_NEAR(winding_number(model.surface.mesh, {2, 2, 2}), 1, 1e-12);
+  EXPECT_NEAR(winding_number(model.surface.mesh, {1.1, 2, 2}), 0, 1e-12);
+  const LocatedPoint inside = locate(model, {2.3, 2.2, 1.7}, "probe 'a'");
+  EXPECT_EQ(model.active[static_cast<std::size_t>(inside.span)], model.grid.span_number({2, 2, 1}));
+  const LocatedPoint corner = locate(model, {4.75, 3.5, 2.6}, "probe 'b'");
+  for (std::size_t d = 0; d < 3; ++d) EXPECT_NEAR(corner.position[d], (Point3{4.75, 3.5, 2.6}[d]), 1e-12);
+  // in an active span, but not in the solid
+  try {
+    locate(model, {1.1, 2, 2}, "probe 'c'");
+    ADD_FAILURE() << "a point outside was accepted";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("probe 'c': the position (1.1, 2, 2) lies outside the part, 0.15 from"),
+              std::string::npos)
+        << error.what();
+  }
+}
