@@ -207,65 +207,8 @@ Eigen::VectorXd function_integrals(const SolutionSpace& space) {
 
 } // namespace
 
-namespace {
-
-constexpr double least_share = 0.2; // of its own function's mass that a node keeps
-
-// ∫ N dV of every active function of the plain basis, by the mass fractions. (n_f)
-Eigen::VectorXd plain_integrals(const TrimmedModel& model) {
-  Eigen::VectorXd integrals(static_cast<Eigen::Index>(model.active_functions.size()));
-  for (std::size_t f = 0; f < model.active_functions.size(); ++f) {
-    const Index3 i = model.grid.function_index(model.active_functions[f]);
-    double whole = 1;
-    for (std::size_t d = 0; d < 3; ++d) {
-      const KnotVector& knots = model.grid.knots(static_cast<int>(d));
-      const auto first = static_cast<std::size_t>(i[d]), p = static_cast<std::size_t>(knots.degree());
-      whole *= (knots.values()[first + p + 1] - knots.values()[first]) / static_cast<double>(p + 1);
-    }
-    integrals[static_cast<Eigen::Index>(f)] = model.mass_fraction[f] * whole;
-  }
-  return integrals;
-}
-
-} // namespace
-
-Eigen::VectorXd row_sum_mass(const SolutionSpace& space, double density) {
-  return density * function_integrals(space);
-}
-
 Eigen::VectorXd lumped_mass(const SolutionSpace& space, double density) {
-  Eigen::VectorXd mass = row_sum_mass(space, density);
-  if (space.num_light() == 0) return mass;
-  const Eigen::VectorXd own = density * plain_integrals(space.model());
-  const auto& E = space.extension();
-  const Eigen::SparseMatrix<double> by_node = E;
-  std::vector<char> handed_over(static_cast<std::size_t>(E.rows()));
-  const auto hand_over = [&](Eigen::Index f) {
-    handed_over[static_cast<std::size_t>(f)] = 1;
-    Eigen::Index nearest = -1;
-    double largest = -1;
-    for (std::remove_cvref_t<decltype(E)>::InnerIterator it(E, f); it; ++it) {
-      mass[it.col()] -= it.value() * own[f];
-      if (it.value() > largest) {
-        largest = it.value();
-        nearest = it.col();
-      }
-    }
-    mass[nearest] += own[f];
-  };
-  for (bool changed = true; changed;) {
-    changed = false;
-    for (Eigen::Index n = 0; n < mass.size(); ++n) {
-      const double least = least_share * own[space.node_functions()[static_cast<std::size_t>(n)]];
-      if (mass[n] > least) continue;
-      for (Eigen::SparseMatrix<double>::InnerIterator it(by_node, n); it && mass[n] <= least; ++it)
-        if (it.value() < 0 && !handed_over[static_cast<std::size_t>(it.row())]) {
-          hand_over(it.row());
-          changed = true;
-        }
-    }
-  }
-  return mass;
+  return density * function_integrals(space);
 }
 
 Eigen::VectorXd body_force(const SolutionSpace& space, const Point3& b) {

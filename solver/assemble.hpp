@@ -14,12 +14,8 @@ StiffnessMatrix assemble_stiffness(const SolutionSpace& space, const std::shared
 MassMatrix assemble_mass(const SolutionSpace& space, const std::shared_ptr<const Connectivity>& connectivity,
                          double density);
 
-/// m_i = ∫ ρ N_i dV: the row sums of M without M. (num_nodes) An extension may take more mass from a node than it has.
-Eigen::VectorXd row_sum_mass(const SolutionSpace& space, double density);
-
-/// The row sums, made positive: where the extension leaves a node no more than a fifth of its own function's mass, the
-/// slaves that take from it hand their mass to the node nearest to them instead. Total mass and linear momentum are
-/// kept exactly; stiffness and forces keep the extension. (num_nodes)
+/// m_i = ∫ ρ N_i dV: the row sums of M without M. (num_nodes) An extension may take more mass from a node than it has:
+/// see spare_masses.
 Eigen::VectorXd lumped_mass(const SolutionSpace& space, double density);
 
 /// The stiffness of one span, (3 n × 3 n) over nodes(a), lower triangle filled at least: for local eigenproblems.
