@@ -2,6 +2,7 @@
 
 #include "preprocessor/prepare_surface.hpp"
 #include "preprocessor/read_mesh.hpp"
+#include "preprocessor/surface_quadrature.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -43,6 +44,21 @@ const IntegrationPoints& BenchCase::points(int degree) {
     made.points = prep::build_quadrature(made.grid, made.trimming, options).points;
   }
   return made.points;
+}
+
+TrimmedModel BenchCase::model(int degree) {
+  const prep::Trimming& trimmed = this->trimming(degree);
+  TrimmedModel model;
+  model.grid = grid(degree);
+  model.points = points(degree);
+  prep::FunctionMass mass = prep::function_mass(model.grid, trimmed, model.points);
+  model.active_functions = std::move(mass.functions);
+  model.mass_fraction = std::move(mass.mass_fraction);
+  model.surface = prep::make_embedded_surface(model.grid, mesh(), trimmed);
+  model.state = trimmed.state;
+  model.active = trimmed.active;
+  model.volume_fraction = trimmed.fraction;
+  return model;
 }
 
 std::vector<std::size_t> BenchCase::trimmed_spans(int degree, std::size_t limit) {

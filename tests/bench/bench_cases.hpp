@@ -1,6 +1,7 @@
 // The parts and grids that speed is measured on, and what their stages hand to one another.
 #pragma once
 
+#include "format/model/trimmed_model.hpp"
 #include "preprocessor/build_quadrature.hpp"
 #include "preprocessor/make_grid.hpp"
 
@@ -25,6 +26,8 @@ class BenchCase {
   const prep::Trimming& trimming(int degree);
   /// Gauss rules inside, moment fitting of the same degree on trimmed spans.
   const IntegrationPoints& points(int degree);
+  /// What igaprep would write: for the solver's kernels.
+  TrimmedModel model(int degree);
   /// Touched numbers of at most `limit` trimmed spans, evenly chosen; ascending.
   std::vector<std::size_t> trimmed_spans(int degree, std::size_t limit);
 

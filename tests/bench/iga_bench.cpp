@@ -1,6 +1,6 @@
-// iga_bench: rates of the preprocessor's kernels on one core. Takes Google Benchmark's flags (--benchmark_filter=…).
-// IGA_PARTS_DIR names the folder of the sample parts (default: samples beside the program's folder), IGA_SHARED_DIR
-// that of parts made by others.
+// iga_bench: rates of the kernels of igaprep and igasolve on one core. Takes Google Benchmark's flags
+// (--benchmark_filter=…). IGA_PARTS_DIR names the folder of the sample parts (default: samples beside the program's
+// folder), IGA_SHARED_DIR that of parts made by others.
 #include "tests/bench/measurements.hpp"
 
 #include <tbb/global_control.h>
@@ -46,6 +46,7 @@ int run(int argc, char** argv) {
   for (BenchCase& part : cases) {
     measure_stages(part);
     for (const int degree : {2, 3, 4}) measure_fitting(part, degree);
+    for (const int degree : {2, 3}) measure_solver(part, degree);
   }
   // Short by default: every kernel is measured on many spans at once. A flag given by hand comes later and wins.
   std::string shortly = "--benchmark_min_time=0.1";

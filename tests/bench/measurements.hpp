@@ -20,4 +20,7 @@ void measure_stages(BenchCase& part);
 /// Moments, candidates, NNLS and the whole rule of trimmed spans.
 void measure_fitting(BenchCase& part, int degree);
 
+/// Assembly of the solver's matrices: quadrature points per second; products with them: entries per second.
+void measure_solver(BenchCase& part, int degree);
+
 } // namespace iga::bench

@@ -13,21 +13,6 @@ namespace {
 
 constexpr int degree = 2; // these stages hardly depend on it
 
-TrimmedModel make_model(BenchCase& part) {
-  const prep::Trimming& trimming = part.trimming(degree);
-  TrimmedModel model;
-  model.grid = part.grid(degree);
-  model.points = part.points(degree);
-  prep::FunctionMass mass = prep::function_mass(model.grid, trimming, model.points);
-  model.active_functions = std::move(mass.functions);
-  model.mass_fraction = std::move(mass.mass_fraction);
-  model.surface = prep::make_embedded_surface(model.grid, part.mesh(), trimming);
-  model.state = trimming.state;
-  model.active = trimming.active;
-  model.volume_fraction = trimming.fraction;
-  return model;
-}
-
 template <class T> std::int64_t bytes(const std::vector<T>& values) {
   return static_cast<std::int64_t>(values.size() * sizeof(T));
 }
@@ -76,7 +61,7 @@ void measure_stages(BenchCase& part) {
     };
   });
   measure(name("write"), "bytes", [&part] {
-    const auto model = std::make_shared<TrimmedModel>(make_model(part));
+    const auto model = std::make_shared<TrimmedModel>(part.model(degree));
     const auto file = std::filesystem::temp_directory_path() / ("iga_bench_" + std::to_string(getpid()) + ".h5");
     return [model, file] {
       io::write_model(file, *model);
