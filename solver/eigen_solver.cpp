@@ -266,8 +266,9 @@ class Search {
     }
     const double worst = set_.residual.tail(set_.lambda.size() - rigid).maxCoeff();
     if (worst > residual_limit)
-      throw NumericalError(fmt::format("the residual of an eigenpair is {:.2g}, at most {:g} is allowed; use "
-                                       "--light-functions linear or degree-p",
+      throw NumericalError(fmt::format("the residual of an eigenpair is {:.2g}, at most {:g} is allowed: functions on "
+                                       "slivers may swing by themselves at frequencies far below the part's; use "
+                                       "--light-functions linear or degree-p, or --mass consistent",
                                        worst, residual_limit));
   }
 

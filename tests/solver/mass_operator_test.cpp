@@ -94,3 +94,19 @@ TEST(MassOperator, MasslessFunctionsHaveNoInverseMass) {
   M.divide(x.data(), y.data(), 1);
   EXPECT_LT((y - (VectorXd(9) << 0, 0, 0, 1, 1, 1, 0.5, 0.5, 0.5).finished()).norm(), 1e-15);
 }
+
+TEST(SparedMasses, KeepTheTotalAndLeaveEveryNodeAShareOfItsOwn) {
+  for (const double cut : {0.15, 0.4, 0.7})
+    for (const double threshold : {0.01, 0.1, 0.3, 0.6}) {
+      const TrimmedModel model = test::make_box_model(test::box_in_grid({4, 3, 3}, {5, 4, 4}, 2, cut));
+      const SolutionSpace plain(model, {}), space(model, {LightFunctions::Linear, threshold});
+      const SparedMasses spared = spare_masses(space, material.density);
+      const VectorXd own = lumped_mass(plain, material.density);
+      EXPECT_NEAR(spared.masses.sum(), own.sum(), 1e-12 * own.sum());
+      for (Eigen::Index i = 0; i < spared.masses.size(); ++i)
+        EXPECT_GT(spared.masses[i], 0.2 * own[space.node_functions()[static_cast<std::size_t>(i)]] * (1 - 1e-12));
+      if (spared.moved == 0) {
+        EXPECT_LT((spared.masses - lumped_mass(space, material.density)).norm(), 1e-14 * own.sum());
+      }
+    }
+}
