@@ -25,7 +25,7 @@ import iga_model  # noqa: E402
 
 ENTRIES_PER_BLOCK = 20_000_000  # entries of span matrices held at a time: about 0.6 GB
 BAND_LIMIT = 8 * 2**30  # bytes; a wider factor is refused
-RIGID = 1e-8  # an eigenvalue below this part of the first elastic one belongs to a rigid mode: (1e-4)^2 in frequency
+RIGID = 1e-8  # an eigenvalue below this part of (pi c / L)^2 belongs to a rigid mode; round-off leaves about 1e-12
 CONVERGED = 1e-8  # bound on the residual |K x - l M x| / (l |M x|)
 VOIGT = [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)]  # order of strains; shear strains are doubled
 
@@ -162,6 +162,9 @@ def lowest(K, M, modes, scale):
         rigid = int((all_values < RIGID * scale).sum())
         if rigid + modes > wanted:
             wanted = rigid + modes
+            if wanted + 4 > unknowns:
+                raise InputError(f"--modes {modes}: the model has {unknowns} unknowns and {rigid} rigid modes or more; ask "
+                                 "for fewer")
         elif values.min() >= limit * (1 - 1e-12):
             break
     wanted = rigid + modes

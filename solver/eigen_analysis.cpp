@@ -11,7 +11,7 @@ EigenOutcome analyse_modes(const RunSettings& run, const EigenSettings& settings
   PreparedSystem system = prepare_system(run, model);
   EigenOutcome outcome;
   outcome.timings = std::move(system.timings);
-  outcome.warnings = system.space->warnings();
+  outcome.warnings = std::move(system.warnings);
   outcome.regions = std::move(system.supports.regions);
   outcome.mass = system.M.total();
   outcome.unknowns = system.space->num_unknowns();

@@ -42,9 +42,10 @@ MassOperator MassOperator::consistent(MassMatrix M) {
   return op;
 }
 
-MassOperator MassOperator::lumped(VectorXd masses) {
+MassOperator MassOperator::lumped(VectorXd masses, std::int64_t moved_functions) {
   require_positive(masses);
   MassOperator op;
+  op.moved_ = moved_functions;
   op.size_ = 3 * masses.size();
   op.total_ = masses.sum();
   op.root_ = per_unknown(masses.cwiseSqrt());
@@ -159,9 +160,51 @@ double largest_mass_ratio(const MassMatrix& M, const VectorXd& masses) {
   return found.theta.size() > 0 ? found.theta[0] : 0;
 }
 
+SparedMasses spare_masses(const SolutionSpace& space, double density) {
+  constexpr double kept = 0.2; // of a node's own mass; less than this would let its frequency grow beyond bounds
+  SparedMasses spared;
+  spared.masses = lumped_mass(space, density);
+  const LightFunctions remedy = space.treatment().remedy;
+  if ((remedy != LightFunctions::Linear && remedy != LightFunctions::DegreeP) || space.num_light() == 0) return spared;
+  const VectorXd own = lumped_mass(SolutionSpace(space.model(), {}), density); // of every active function
+  const auto& E = space.extension();
+  const auto nodes = space.node_functions();
+  using Entry = Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator;
+  std::vector<bool> moved(static_cast<std::size_t>(E.rows()), false);
+  // Each round moves at least one function; masses of nodes nothing is taken from any more are at least their own.
+  for (bool again = true; again;) {
+    again = false;
+    std::vector<bool> poor(nodes.size());
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      poor[i] = spared.masses[static_cast<Eigen::Index>(i)] <= kept * own[nodes[i]];
+    for (Eigen::Index f = 0; f < E.rows(); ++f) {
+      if (moved[static_cast<std::size_t>(f)]) continue;
+      bool takes = false;
+      for (Entry it(E, f); it; ++it) takes = takes || (it.value() < 0 && poor[static_cast<std::size_t>(it.col())]);
+      if (!takes) continue;
+      Eigen::Index nearest = 0;
+      double most = 0;
+      for (Entry it(E, f); it; ++it) {
+        spared.masses[it.col()] -= it.value() * own[f];
+        if (it.value() > most) {
+          most = it.value();
+          nearest = it.col();
+        }
+      }
+      spared.masses[nearest] += own[f];
+      moved[static_cast<std::size_t>(f)] = again = true;
+      ++spared.moved;
+    }
+  }
+  return spared;
+}
+
 MassOperator make_mass(MassType type, const SolutionSpace& space,
                        const std::shared_ptr<const Connectivity>& connectivity, double density) {
-  if (type == MassType::Lumped) return MassOperator::lumped(lumped_mass(space, density));
+  if (type == MassType::Lumped) {
+    SparedMasses spared = spare_masses(space, density);
+    return MassOperator::lumped(std::move(spared.masses), spared.moved);
+  }
   MassMatrix M = assemble_mass(space, connectivity, density);
   if (type == MassType::Consistent) return MassOperator::consistent(std::move(M));
   const LightFunctions remedy = space.treatment().remedy;

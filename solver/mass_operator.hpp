@@ -15,7 +15,7 @@ class MassOperator {
  public:
   static MassOperator consistent(MassMatrix M);
   /// @throws NumericalError where a lumped mass is negative, which an extension may cause
-  static MassOperator lumped(Eigen::VectorXd masses);
+  static MassOperator lumped(Eigen::VectorXd masses, std::int64_t moved_functions = 0);
   /// @param passes 2 or 3; throws as lumped
   static MassOperator multi_pass(MassMatrix M, int passes);
 
@@ -29,6 +29,8 @@ class MassOperator {
   const Eigen::VectorXd* masses() const { return masses_.size() > 0 ? &masses_ : nullptr; }
   /// (num_unknowns): a vector whose entries scale like M^(-1/2) does, 0 for massless functions.
   Eigen::VectorXd inverse_root_scale() const;
+  /// Light functions whose mass went to their nearest master (spare_masses).
+  std::int64_t moved_functions() const { return moved_; }
   double total() const { return total_; } ///< mass
 
   /// y = M x for columns stored one after the other. Two and three passes solve with the inverse, to rounding, by a few
@@ -43,6 +45,7 @@ class MassOperator {
   void multiply_series_inverse(const double* x, double* y) const;
 
   std::int64_t size_ = 0;
+  std::int64_t moved_ = 0;
   int passes_ = 1;
   double total_ = 0;
   std::optional<MassMatrix> matrix_;
@@ -50,6 +53,15 @@ class MassOperator {
   Eigen::VectorXd root_, inverse_; // (num_unknowns): M_L^(1/2), M_L^(-1/2) (0 for massless functions)
   mutable std::shared_ptr<LinearSolver> factor_;
 };
+
+/// Lumped masses that an extension leaves positive. Extrapolation takes mass from a light function's farther masters; a
+/// node that would keep no more than a fifth of its own function's mass is spared: light functions that take from it
+/// give all their mass to their nearest master instead (the mass alone; total mass and linear momentum stay exact).
+struct SparedMasses {
+  Eigen::VectorXd masses; ///< (num_nodes)
+  std::int64_t moved = 0; ///< light functions treated so
+};
+SparedMasses spare_masses(const SolutionSpace& space, double density);
 
 /// The mass of a run.
 /// @throws InputError for two passes on an extended space whose M_L⁻¹ M_C reaches 2

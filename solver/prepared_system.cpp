@@ -3,6 +3,8 @@
 #include "solver/assemble.hpp"
 #include "solver/stopwatch.hpp"
 
+#include <fmt/format.h>
+
 namespace iga::solve {
 
 PreparedSystem prepare_system(const RunSettings& run, const TrimmedModel& model) {
@@ -15,6 +17,11 @@ PreparedSystem prepare_system(const RunSettings& run, const TrimmedModel& model)
   watch.stage("stiffness");
   system.M = make_mass(run.mass, *system.space, connectivity, run.material.density);
   watch.stage("mass");
+  system.warnings = system.space->warnings();
+  if (system.M.moved_functions() > 0)
+    system.warnings.push_back(fmt::format("the lumped mass of {} light functions went to their nearest neighbours: "
+                                          "extrapolation would have left others without mass",
+                                          system.M.moved_functions()));
   if (!run.supports.empty()) {
     system.supports = apply_supports(*system.space, run.material, run.supports, system.K);
     watch.stage("supports");

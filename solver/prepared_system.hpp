@@ -11,6 +11,7 @@ struct PreparedSystem {
   StiffnessMatrix K;
   MassOperator M;
   SupportTerms supports;
+  std::vector<std::string> warnings;                   ///< of the space and the mass
   std::vector<std::pair<std::string, double>> timings; ///< stage, seconds
 };
 

@@ -25,7 +25,7 @@ TimestepOutcome analyse_timestep(const RunSettings& run, const TrimmedModel& mod
   PreparedSystem system = prepare_system(run, model);
   TimestepOutcome outcome;
   outcome.timings = std::move(system.timings);
-  outcome.warnings = system.space->warnings();
+  outcome.warnings = std::move(system.warnings);
   outcome.regions = std::move(system.supports.regions);
   outcome.mass = system.M.total();
   outcome.unknowns = system.space->num_unknowns();
