@@ -44,7 +44,8 @@ struct SupportTerms {
 };
 
 /// Adds the supports' stiffness to K (same sparsity: all terms are local to a span) and returns the rest.
-/// The result is positive definite without constraints where the supports hold the part (see free_rigid_modes).
+/// The result is positive definite without constraints where the supports hold the part (free_rigid_motions in
+/// support_check.hpp).
 /// @throws InputError for a region without area or a symmetry frame without directions, naming the support
 SupportTerms apply_supports(const SolutionSpace& space, const ElasticMaterial& material,
                             std::span<const Support> supports, StiffnessMatrix& K);

@@ -11,6 +11,7 @@ namespace iga::solve {
 namespace {
 
 constexpr double two_pi = 2 * std::numbers::pi;
+constexpr double omega_safety = 1.01; // of a time step's ω_max, here and in timestep
 
 const char* name_of(ModeKind kind) {
   return kind == ModeKind::Rigid ? "rigid" : kind == ModeKind::Mechanism ? "mechanism" : "elastic";
@@ -124,8 +125,8 @@ std::string largest_json(const AnalysisRun& run, const EigenOutcome& outcome) {
   report.add("mass_type", solve::name_of(run.settings.mass)).add("mass", outcome.mass);
   report.add("supports", json_of(outcome.regions));
   report.add("omega_max", outcome.omega_max).add("residual", outcome.omega_max_residual);
-  report.add("dt_crit", 2 / outcome.omega_max);
-  if (outcome.element) report.add("omega_max_bound", outcome.element->omega).add("bound_span", outcome.element->span);
+  report.add("omega_max_bound", omega_safety * outcome.omega_max).add("dt_crit", 2 / outcome.omega_max);
+  if (outcome.element) report.add("omega_spans", outcome.element->omega).add("bound_span", outcome.element->span);
   add_end(report, run);
   return report.text();
 }

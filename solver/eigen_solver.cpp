@@ -8,6 +8,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
+#include <limits>
 
 #include <algorithm>
 #include <cmath>
@@ -15,6 +16,9 @@
 namespace iga::solve {
 
 namespace {
+
+// Of a product with K, in units of its diagonal times the vector: a few hundred terms a row.
+constexpr double rounding_of_products = 32 * std::numeric_limits<double>::epsilon();
 
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -257,15 +261,24 @@ class Search {
 
   void residuals(Index rigid, double first_elastic) {
     const MatrixXd KX = columns_of(*problem_.stiffness, set_.vectors), MX = columns_of(*problem_.mass, set_.vectors);
+    const VectorXd diagonal = problem_.stiffness->diagonal();
+    double rounding = 0; // of K x in the worst pair, by the same measure
     set_.residual.resize(set_.lambda.size());
     for (Index k = 0; k < set_.lambda.size(); ++k) {
       const double scale = std::max(std::abs(set_.lambda[k]), first_elastic);
       VectorXd defect = KX.col(k) - set_.lambda[k] * MX.col(k);
       if (problem_.constraints) defect -= inverse_->constraint_forces(defect);
       set_.residual[k] = defect.norm() / (scale * MX.col(k).norm());
+      rounding = std::max(rounding, rounding_of_products * diagonal.cwiseProduct(set_.vectors.col(k)).norm() /
+                                        (scale * MX.col(k).norm()));
     }
     const double worst = set_.residual.tail(set_.lambda.size() - rigid).maxCoeff();
-    if (worst > residual_limit)
+    if (worst > residual_limit && worst <= rounding)
+      set_.warnings.push_back(fmt::format("the residual of an eigenpair is {:.2g}: rounding allows no better here, as "
+                                          "the stiffest motions of the model are far stiffer than its modes (a thin "
+                                          "part?)",
+                                          worst));
+    else if (worst > residual_limit)
       throw NumericalError(fmt::format("the residual of an eigenpair is {:.2g}, at most {:g} is allowed: functions on "
                                        "slivers may swing by themselves at frequencies far below the part's; use "
                                        "--light-functions linear or degree-p, or --mass consistent",

@@ -92,14 +92,10 @@ const char* name_of(LightFunctions remedy) {
 }
 
 LightTreatment default_light_treatment(MassType mass) {
-  switch (mass) {
-  case MassType::Consistent:
-    return {LightFunctions::DegreeP, 1e-3};
-  case MassType::Lumped:
-    return {LightFunctions::Linear, 0.05};
-  default:
-    return {LightFunctions::Linear, 0.01}; // more and the series of the passes may lose its positivity
-  }
+  if (mass == MassType::Consistent) return {LightFunctions::DegreeP, 1e-3};
+  // More costs time step: at 0.05 it is a quarter on the foam part, at 0.01 nothing. And the series of two passes may
+  // lose its positivity.
+  return {LightFunctions::Linear, 0.01};
 }
 
 TypedRun read_run_file(const std::filesystem::path& file) {

@@ -20,8 +20,8 @@ using Twist = Eigen::Matrix<double, 6, 1>; // velocity t at the body's centre, t
 // A motion is free where its mean square displacement along the fixed directions, per unit area of support, stays below
 // this share of its own: a support of size r holds a body of size R to about (r / R)².
 constexpr double free_below = 1e-11;
-// Components of unit vectors below this are rounding.
-constexpr double small = 1e-7;
+// Components of unit vectors below this are noise: normals of single precision mix free motions with held ones.
+constexpr double small = 1e-4;
 
 struct Body {
   double volume = 0, radius = 0, support_area = 0;

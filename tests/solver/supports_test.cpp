@@ -9,6 +9,7 @@
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 #include <numbers>
+#include <tbb/global_control.h>
 
 using namespace iga;
 using namespace iga::solve;
@@ -193,6 +194,28 @@ TEST(Nitsche, IsPositiveDefiniteOnAnyCut) {
             Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled, Eigen::EigenvaluesOnly).eigenvalues()[0];
         EXPECT_GT(least, 1e-13) << "p " << p << ", layer " << layer << " " << least;
       }
+}
+
+TEST_P(EveryMethod, GivesTheSameBitsForAnyNumberOfThreads) {
+  const TrimmedModel model = make_box_model(tilted_box(2));
+  const SolutionSpace space(model, usual());
+  const std::vector<Support> supports{on_face("u-", GetParam()), on_face("v+", GetParam())};
+  struct Terms {
+    std::vector<double> stiffness, constraints;
+    Eigen::VectorXd load;
+  };
+  const auto terms = [&] {
+    StiffnessMatrix K = assemble_stiffness(space, std::make_shared<const Connectivity>(space), isotropic(1, 0.3, 1));
+    const SupportTerms added = apply_supports(space, isotropic(1, 0.3, 1), supports, K);
+    const auto& C = added.constraints;
+    return Terms{{K.values().begin(), K.values().end()}, {C.valuePtr(), C.valuePtr() + C.nonZeros()}, added.load};
+  };
+  const Terms many = terms();
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const Terms few = terms();
+  EXPECT_EQ(many.stiffness, few.stiffness);
+  EXPECT_EQ(many.constraints, few.constraints);
+  EXPECT_EQ(many.load, few.load);
 }
 
 TEST(FreeMotions, AreNamed) {
