@@ -5,21 +5,11 @@
 
 namespace iga::prep {
 
-namespace {
-
-std::optional<std::filesystem::path> path_beside(const std::filesystem::path& file,
-                                                 const std::optional<std::string>& typed) {
-  if (!typed) return std::nullopt;
-  return file.parent_path() / *typed;
-}
-
-} // namespace
-
 TypedSettings read_settings_file(const std::filesystem::path& file) {
   io::SettingsTable root = io::SettingsTable::read(file);
   TypedSettings s;
-  s.input = path_beside(file, root.text("input"));
-  s.output = path_beside(file, root.text("output"));
+  s.input = root.path("input");
+  s.output = root.path("output");
   s.scale = root.number("scale");
   s.length_unit = root.text("length_unit");
   s.title = root.text("title");

@@ -37,12 +37,6 @@ template <class Names, class Value> const char* to_name(const Names& names, Valu
   return "";
 }
 
-std::optional<std::filesystem::path> path_beside(const std::filesystem::path& file,
-                                                 const std::optional<std::string>& typed) {
-  if (!typed) return std::nullopt;
-  return file.parent_path() / *typed;
-}
-
 VoigtMatrix elasticity(const std::vector<double>& C) {
   VoigtMatrix matrix;
   std::size_t next = 0;
@@ -101,8 +95,8 @@ LightTreatment default_light_treatment(MassType mass) {
 TypedRun read_run_file(const std::filesystem::path& file) {
   io::SettingsTable root = io::SettingsTable::read(file);
   TypedRun t;
-  t.model = path_beside(file, root.text("model"));
-  t.output = path_beside(file, root.text("output"));
+  t.model = root.path("model");
+  t.output = root.path("output");
   t.units = root.text("units");
   t.mass = root.text("mass");
   t.light_functions = root.text("light_functions");

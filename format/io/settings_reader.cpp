@@ -161,6 +161,11 @@ std::optional<std::string> SettingsTable::text(std::string_view key) {
   return node->as_string()->get();
 }
 
+std::optional<std::filesystem::path> SettingsTable::path(std::string_view key) {
+  const auto typed = text(key);
+  return typed ? std::optional(file_->path.parent_path() / *typed) : std::nullopt;
+}
+
 std::optional<double> SettingsTable::number(std::string_view key) {
   const auto list = numbers(key, {1});
   return list ? std::optional(list->front()) : std::nullopt;

@@ -28,6 +28,8 @@ class SettingsTable {
   std::vector<SettingsTable> tables(std::string_view key);
   std::optional<bool> boolean(std::string_view key);
   std::optional<std::string> text(std::string_view key);
+  /// A file's path, relative to the folder of the settings file.
+  std::optional<std::filesystem::path> path(std::string_view key);
   std::optional<double> number(std::string_view key);
   std::optional<std::int64_t> integer(std::string_view key);
   /// Lists of one of the given lengths; where 1 is among them, a bare number counts as a list of one.

@@ -40,9 +40,6 @@ add_library(iga_hdf5 INTERFACE)
 target_include_directories(iga_hdf5 SYSTEM INTERFACE ${HDF5_INCLUDE_DIRS})
 target_link_libraries(iga_hdf5 INTERFACE ${HDF5_LIBRARIES})
 
-find_package(Spectra QUIET)
-iga_need(Spectra_FOUND libspectra-dev "Spectra")
-
 # SuiteSparse 5 and MUMPS bring no package files on Debian 12.
 function(iga_find_library target package header)
   find_path(${target}_INCLUDE_DIR ${header} PATH_SUFFIXES suitesparse mumps_seq)
