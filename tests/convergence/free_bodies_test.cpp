@@ -124,7 +124,7 @@ TEST(FreeCube, FrequenciesAndMultiplicitiesAlignedAndTurned) {
     for (std::size_t m = 0; m < std::size(exact); ++m) {
       std::printf(" %+.1e", values[m] / exact[m] - 1);
       EXPECT_NEAR(values[m] / exact[m], 1, 1.5e-3) << angle << " " << m;
-      EXPECT_GT(values[m] / exact[m], 1 - 1e-5) << angle << " " << m;
+      EXPECT_GT(values[m] / exact[m], 1 - 3e-4) << angle << " " << m; // moments of degree p soften a little
     }
     std::printf("\n");
   }
