@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cassert>
+#include <new>
+#include <sys/mman.h>
 #include <tbb/enumerable_thread_specific.h>
 
 namespace iga::solve {
@@ -172,6 +174,18 @@ void multiply_in_blocks(const NodePattern& pattern, double* y, MultiplyColumns m
 } // namespace
 
 Connectivity::Connectivity(const SolutionSpace& space) : pattern(make_pattern(space)), blocks(make_blocks(space)) {}
+
+ZeroedArray::ZeroedArray(std::size_t size) : size_(size) {
+  const std::size_t bytes = std::max<std::size_t>(size, 1) * sizeof(double);
+  void* memory = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (memory == MAP_FAILED) throw std::bad_alloc();
+  madvise(memory, bytes, MADV_HUGEPAGE); // a wish: without it the array is slower, not wrong
+  data_ = std::unique_ptr<double, Unmap>(static_cast<double*>(memory), Unmap{bytes});
+}
+
+void ZeroedArray::Unmap::operator()(double* p) const {
+  munmap(p, bytes);
+}
 
 StiffnessMatrix::StiffnessMatrix(std::shared_ptr<const Connectivity> connectivity)
     : connectivity_(std::move(connectivity)), values_(9 * static_cast<std::size_t>(pattern().num_pairs())) {}

@@ -3,9 +3,7 @@
 
 #include "solver/solution_space.hpp"
 
-#include <cstdlib>
 #include <memory>
-#include <new>
 #include <tbb/parallel_for.h>
 
 namespace iga::solve {
@@ -47,23 +45,22 @@ template <class Visit> void for_spans(const Connectivity& connectivity, Visit vi
     });
 }
 
-/// Zeros that take memory when they are first written, by the thread that writes them.
+/// Zeros that take memory when they are first written, by the thread that writes them, in large pages where the system
+/// has them: with small ones threads queue for the page table.
 class ZeroedArray {
  public:
   ZeroedArray() = default;
-  explicit ZeroedArray(std::size_t size)
-      : data_(static_cast<double*>(std::calloc(size ? size : 1, sizeof(double)))), size_(size) {
-    if (!data_) throw std::bad_alloc();
-  }
+  explicit ZeroedArray(std::size_t size);
   double* data() { return data_.get(); }
   const double* data() const { return data_.get(); }
   std::size_t size() const { return size_; }
 
  private:
-  struct Free {
-    void operator()(double* p) const { std::free(p); }
+  struct Unmap {
+    std::size_t bytes;
+    void operator()(double* p) const;
   };
-  std::unique_ptr<double, Free> data_;
+  std::unique_ptr<double, Unmap> data_{nullptr, Unmap{0}};
   std::size_t size_ = 0;
 };
 
