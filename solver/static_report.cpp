@@ -14,7 +14,7 @@ using io::JsonObject;
 std::string text(const Point3& v, double unit = 0) {
   Point3 shown = v;
   for (double& c : shown)
-    if (std::abs(c) <= 1e-12 * unit) c = 0; // rounding of a much larger number
+    if (std::abs(c) <= 1e-12 * std::max(unit, norm(v))) c = 0; // rounding of a much larger number
   return fmt::format("({:.6g}, {:.6g}, {:.6g})", shown[0], shown[1], shown[2]);
 }
 
@@ -41,8 +41,7 @@ std::string static_text(const StaticSolution& s) {
   std::string out;
   const double unit = force_unit(s);
   const auto line = [&](const std::string& words) { out += words + "\n"; };
-  line(fmt::format("{} unknowns, {} constraints, factor {:.3g} MiB", s.unknowns.size(), s.num_constraints,
-                   s.cost.bytes / (1024.0 * 1024.0)));
+  line(fmt::format("system: {} constraints, factor {:.3g} MiB", s.num_constraints, s.cost.bytes / (1024.0 * 1024.0)));
   for (const SupportResult& r : s.result.supports) {
     line(fmt::format("support '{}' ({}): area {:.6g}, centroid {}", r.name, r.method, r.area, text(r.centroid)));
     line(fmt::format("  reaction {}, moment about the centroid {}", text(r.force, unit), text(r.moment)));
@@ -52,7 +51,7 @@ std::string static_text(const StaticSolution& s) {
                     : fmt::format("load '{}' ({}): acts about {}", r.name, r.kind, text(r.centroid)));
     line(fmt::format("  resultant {}, moment about it {}", text(r.force, unit), text(r.moment)));
   }
-  line(fmt::format("balance of forces {}, relative residual {:.2g}", text(s.force_balance), s.residual));
+  line(fmt::format("balance of forces {}, relative residual {:.2g}", text(s.force_balance, unit), s.residual));
   line(fmt::format("strain energy {:.8g}, external work {:.8g}", s.result.strain_energy,
                    s.result.external_work + s.support_work));
   line(fmt::format("largest displacement {:.6g} at {}", s.largest_displacement, text(s.largest_displacement_at)));

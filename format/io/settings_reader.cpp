@@ -163,7 +163,7 @@ std::optional<std::string> SettingsTable::text(std::string_view key) {
 
 std::optional<std::filesystem::path> SettingsTable::path(std::string_view key) {
   const auto typed = text(key);
-  return typed ? std::optional(file_->path.parent_path() / *typed) : std::nullopt;
+  return typed ? std::optional((file_->path.parent_path() / *typed).lexically_normal()) : std::nullopt;
 }
 
 std::optional<double> SettingsTable::number(std::string_view key) {

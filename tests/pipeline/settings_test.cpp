@@ -71,7 +71,7 @@ moment_degree = "2p"
 tolerance = 1e-9
 )");
   const Settings s = validate(read_settings_file(file));
-  EXPECT_EQ(s.input, folder / "sub/../part.stl");
+  EXPECT_EQ(s.input, folder / "part.stl");
   EXPECT_EQ(s.output, folder / "sub/part.h5");
   EXPECT_EQ(s.scale, 2);
   EXPECT_EQ(s.title, "A part");
