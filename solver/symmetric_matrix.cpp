@@ -141,7 +141,7 @@ template <class Visit> void for_runs(const NodePattern& pattern, std::span<const
 // sums do not depend on the number of threads.
 constexpr std::size_t num_blocks = 16;
 
-// multiply_columns(first, last, y): adds the columns' share of A x to y; `y` is indexed by unknown.
+// multiply_columns(first, last, part): adds the columns' share of A x to part, whose first entry is unknown 3 first.
 template <class MultiplyColumns>
 void multiply_in_blocks(const NodePattern& pattern, double* y, MultiplyColumns multiply_columns) {
   const auto n = static_cast<std::size_t>(pattern.num_nodes());
@@ -160,7 +160,7 @@ void multiply_in_blocks(const NodePattern& pattern, double* y, MultiplyColumns m
                       static_cast<std::size_t>(pattern.rows[static_cast<std::size_t>(pattern.offsets[j + 1] - 1)]) + 1);
     end[b] = last;
     parts[b].assign(3 * (last - first[b]), 0.0);
-    multiply_columns(first[b], first[b + 1], parts[b].data() - 3 * first[b]);
+    multiply_columns(first[b], first[b + 1], parts[b].data());
   });
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, 4096), [&](const tbb::blocked_range<std::size_t>& range) {
     std::fill(y + 3 * range.begin(), y + 3 * range.end(), 0.0);
@@ -213,9 +213,9 @@ void StiffnessMatrix::multiply(const double* x, double* y) const {
       const double xj[3] = {x[3 * j], x[3 * j + 1], x[3 * j + 2]};
       double yj[3] = {0, 0, 0};
       for (std::size_t k = 0; k < height; ++k) {
-        const auto i = 3 * static_cast<std::size_t>(rows[k]);
+        const auto i = 3 * static_cast<std::size_t>(rows[k]), at = i - 3 * first;
         const double *A0 = A + 3 * k, *A1 = A0 + 3 * height, *A2 = A1 + 3 * height;
-        for (std::size_t a = 0; a < 3; ++a) part[i + a] += A0[a] * xj[0] + A1[a] * xj[1] + A2[a] * xj[2];
+        for (std::size_t a = 0; a < 3; ++a) part[at + a] += A0[a] * xj[0] + A1[a] * xj[1] + A2[a] * xj[2];
         if (k == 0) continue; // the diagonal block is held whole
         for (std::size_t a = 0; a < 3; ++a) {
           yj[0] += A0[a] * x[i + a];
@@ -223,7 +223,7 @@ void StiffnessMatrix::multiply(const double* x, double* y) const {
           yj[2] += A2[a] * x[i + a];
         }
       }
-      for (std::size_t a = 0; a < 3; ++a) part[3 * j + a] += yj[a];
+      for (std::size_t a = 0; a < 3; ++a) part[3 * (j - first) + a] += yj[a];
     }
   });
 }
@@ -267,11 +267,11 @@ void MassMatrix::multiply(const double* x, double* y) const {
       for (auto k = static_cast<std::size_t>(p.offsets[j]); k < static_cast<std::size_t>(p.offsets[j + 1]); ++k) {
         const auto row = static_cast<std::size_t>(p.rows[k]);
         const double m = values_.data()[k];
-        for (std::size_t a = 0; a < 3; ++a) part[3 * row + a] += m * xj[a];
+        for (std::size_t a = 0; a < 3; ++a) part[3 * (row - first) + a] += m * xj[a];
         if (row == j) continue;
         for (std::size_t a = 0; a < 3; ++a) yj[a] += m * x[3 * row + a];
       }
-      for (std::size_t a = 0; a < 3; ++a) part[3 * j + a] += yj[a];
+      for (std::size_t a = 0; a < 3; ++a) part[3 * (j - first) + a] += yj[a];
     }
   });
 }
