@@ -4,8 +4,6 @@
 As a command:  scripts/iga_model.py part.h5 [--json]     validates the file and prints what its points say
 As a module:   model = iga_model.read("part.h5");  model.positions(), model.volume_integrals(), model.mass_fractions()
 """
-import argparse
-import json
 import sys
 
 import h5py
@@ -210,26 +208,5 @@ def summary(model):
     }
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("model", help="model file made by igaprep")
-    parser.add_argument("--json", action="store_true", help="print one JSON object")
-    arguments = parser.parse_args()
-    try:
-        report = summary(read(arguments.model))
-    except FormatError as error:
-        print(f"{arguments.model}: {error}", file=sys.stderr)
-        return 3
-    except OSError as error:
-        print(f"{arguments.model}: {error}", file=sys.stderr)
-        return 2 if isinstance(error, FileNotFoundError) else 3
-    if arguments.json:
-        print(json.dumps(report))
-    else:
-        for key, value in report.items():
-            print(f"{key:24} {value}")
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(iga_schema.report(__doc__, "model", "model file made by igaprep", lambda path: summary(read(path))))

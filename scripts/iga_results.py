@@ -5,8 +5,6 @@ As a command:  scripts/iga_results.py modes.h5 [--json]   validates the file and
 As a module:   results = iga_results.read("modes.h5");  results["/frequencies"], results.elastic()
                results.field(model, coefficients, spans, parameters) with model = iga_model.read("part.h5")
 """
-import argparse
-import json
 import sys
 
 import h5py
@@ -97,26 +95,5 @@ def summary(results):
     return report
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("results", help="results file made by igasolve")
-    parser.add_argument("--json", action="store_true", help="print one JSON object")
-    arguments = parser.parse_args()
-    try:
-        report = summary(read(arguments.results))
-    except FormatError as error:
-        print(f"{arguments.results}: {error}", file=sys.stderr)
-        return 3
-    except OSError as error:
-        print(f"{arguments.results}: {error}", file=sys.stderr)
-        return 2 if isinstance(error, FileNotFoundError) else 3
-    if arguments.json:
-        print(json.dumps(report))
-    else:
-        for key, value in report.items():
-            print(f"{key:24} {value}")
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(iga_schema.report(__doc__, "results", "results file made by igasolve", lambda path: summary(read(path))))

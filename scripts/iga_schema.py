@@ -1,6 +1,9 @@
 """Holds HDF5 files against the tables in schema/: what their readers and the tests share. h5py alone."""
+import argparse
 import ast
+import json
 import operator
+import sys
 import tomllib
 from pathlib import Path
 
@@ -167,3 +170,24 @@ def validate_storage(file, schema):
     file.visititems(visit)
 
 
+def report(description, name, what, summary):
+    """The command line of a reader: prints summary(path), or what is wrong with the file; returns the exit code."""
+    parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument(name, help=what)
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    arguments = parser.parse_args()
+    path = getattr(arguments, name)
+    try:
+        found = summary(path)
+    except FormatError as error:
+        print(f"{path}: {error}", file=sys.stderr)
+        return 3
+    except OSError as error:
+        print(f"{path}: {error}", file=sys.stderr)
+        return 2 if isinstance(error, FileNotFoundError) else 3
+    if arguments.json:
+        print(json.dumps(found))
+    else:
+        for key, value in found.items():
+            print(f"{key:24} {value}")
+    return 0

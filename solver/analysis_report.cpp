@@ -3,6 +3,7 @@
 #include "format/io/results_io.hpp"
 #include "format/io/sha256.hpp"
 #include "format/io/vtp_writer.hpp"
+#include "solver/model_summary.hpp"
 
 #include <chrono>
 #include <fmt/chrono.h>
@@ -19,20 +20,13 @@ double peak_memory_mib() {
   return static_cast<double>(usage.ru_maxrss) / 1024;
 }
 
-std::pair<std::int64_t, std::int64_t> interior_and_trimmed(const TrimmedModel& model) {
-  std::int64_t interior = 0;
-  for (const std::int64_t span : model.active)
-    interior += static_cast<SpanState>(model.state[static_cast<std::size_t>(span)]) == SpanState::Interior;
-  return {interior, static_cast<std::int64_t>(model.active.size()) - interior};
-}
-
 } // namespace
 
 void add_model(TextReport& report, const AnalysisRun& run, const SolutionSpace& space) {
   const TrimmedModel& m = run.model;
-  const auto [interior, trimmed] = interior_and_trimmed(m);
+  const ModelSummary summary = summarise(m);
   report.line("model", "{}{}", run.settings.model.string(), m.title.empty() ? "" : fmt::format(" ({})", m.title));
-  report.line("spans", "{} interior, {} trimmed; degree {}, {} points", interior, trimmed,
+  report.line("spans", "{} interior, {} trimmed; degree {}, {} points", summary.interior, summary.trimmed,
               fmt::join(m.grid.degree(), " "), m.points.weights.size());
   report.line("unknowns", "{}{}", space.num_unknowns(),
               space.num_light() == 0 ? ""
@@ -43,9 +37,9 @@ void add_model(TextReport& report, const AnalysisRun& run, const SolutionSpace& 
 
 void add_model(io::JsonObject& report, const AnalysisRun& run, const SolutionSpace& space) {
   const TrimmedModel& m = run.model;
-  const auto [interior, trimmed] = interior_and_trimmed(m);
+  const ModelSummary summary = summarise(m);
   io::JsonObject spans, light;
-  spans.add("interior", interior).add("trimmed", trimmed);
+  spans.add("interior", summary.interior).add("trimmed", summary.trimmed);
   light.add("remedy", name_of(space.treatment().remedy)).add("threshold", space.treatment().threshold);
   light.add("functions", space.num_light());
   report.add("model", run.settings.model.string()).add("title", m.title).add("length_unit", m.length_unit);

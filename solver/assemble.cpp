@@ -31,11 +31,10 @@ void gradient_products(const SolutionSpace& space, std::int64_t a, WorkSpace& wo
 class Elasticity {
  public:
   explicit Elasticity(const ElasticMaterial& material) {
-    constexpr int voigt[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
     for (int a = 0; a < 3; ++a)
       for (int k = 0; k < 3; ++k)
         for (int b = 0; b < 3; ++b)
-          for (int l = 0; l < 3; ++l) C_[a][b](k, l) = material.C(voigt[a][k], voigt[b][l]);
+          for (int l = 0; l < 3; ++l) C_[a][b](k, l) = material.C(voigt_place[a][k], voigt_place[b][l]);
     lambda_ = material.C(0, 1);
     mu_ = material.C(3, 3);
     VoigtMatrix isotropic = VoigtMatrix::Zero();

@@ -28,7 +28,8 @@ class CholeskySolver final : public LinearSolver {
                  const char* advice)
       : scale_(columns.scale) {
     follow_run_threads();
-    cholmod_sparse A = view(columns);
+    cholmod_sparse A =
+        lower_triangle(static_cast<std::size_t>(columns.size()), columns.offsets, columns.rows, columns.values.data());
     analyse(A, order);
     require_memory(cost_, size(), free_memory());
     factorise(A, definite_by_nature, advice);
@@ -63,22 +64,6 @@ class CholeskySolver final : public LinearSolver {
   FactorCost cost() const override { return cost_; }
 
  private:
-  static cholmod_sparse view(const SystemColumns& columns) {
-    cholmod_sparse A{};
-    A.nrow = A.ncol = static_cast<std::size_t>(columns.size());
-    A.nzmax = columns.rows.size();
-    // CHOLMOD takes pointers to non-const and changes nothing behind them here.
-    A.p = const_cast<std::int64_t*>(columns.offsets.data());
-    A.i = const_cast<std::int64_t*>(columns.rows.data());
-    A.x = const_cast<double*>(columns.values.data());
-    A.stype = -1;
-    A.itype = CHOLMOD_LONG;
-    A.xtype = CHOLMOD_REAL;
-    A.dtype = CHOLMOD_DOUBLE;
-    A.sorted = A.packed = 1;
-    return A;
-  }
-
   void analyse(cholmod_sparse& A, const std::vector<std::int64_t>& order) {
     common_->nmethods = 1;
     common_->method[0].ordering = CHOLMOD_GIVEN;

@@ -8,6 +8,7 @@
 namespace iga::solve {
 
 EigenOutcome analyse_modes(const RunSettings& run, const EigenSettings& settings, const TrimmedModel& model) {
+  if (settings.largest) refuse_multipliers(run);
   PreparedSystem system = prepare_system(run, model);
   EigenOutcome outcome;
   outcome.timings = std::move(system.timings);

@@ -1,6 +1,7 @@
 // igasolve eigen and timestep: modes or the largest eigenfrequency, as report and results file.
 #include "solver/analysis_report.hpp"
 #include "solver/eigen_analysis.hpp"
+#include "solver/largest_eigenvalue.hpp"
 #include "solver/surface_output.hpp"
 #include "solver/timestep_analysis.hpp"
 
@@ -11,7 +12,6 @@ namespace iga::solve {
 namespace {
 
 constexpr double two_pi = 2 * std::numbers::pi;
-constexpr double omega_safety = 1.01; // of a time step's ω_max, here and in timestep
 
 const char* name_of(ModeKind kind) {
   return kind == ModeKind::Rigid ? "rigid" : kind == ModeKind::Mechanism ? "mechanism" : "elastic";

@@ -41,18 +41,6 @@ constexpr double mechanism_guess = 1e-9;
 // The vectors given back are one step of the operator better than this, the eigenvalues twice as many digits.
 constexpr double lanczos_tolerance = 1e-9;
 
-MatrixXd columns_of(const StiffnessMatrix& K, const MatrixXd& X) {
-  MatrixXd Y(X.rows(), X.cols());
-  for (Index c = 0; c < X.cols(); ++c) K.multiply(X.col(c).data(), Y.col(c).data());
-  return Y;
-}
-
-MatrixXd columns_of(const MassOperator& M, const MatrixXd& X) {
-  MatrixXd Y(X.rows(), X.cols());
-  M.multiply(X.data(), Y.data(), static_cast<int>(X.cols()));
-  return Y;
-}
-
 /// Eigenpairs found so far, without the free motions.
 struct Pairs {
   VectorXd lambda;

@@ -61,9 +61,7 @@ double quick_bound(const MatrixXd& A, MatrixXd& square) {
 } // namespace
 
 std::optional<ElementBound> element_bound(const SolutionSpace& space, const ElasticMaterial& material, MassType mass) {
-  const LightFunctions remedy = space.treatment().remedy;
-  const bool extended = remedy == LightFunctions::Linear || remedy == LightFunctions::DegreeP;
-  if (mass == MassType::Consistent || (extended && space.num_light() > 0)) return {};
+  if (mass == MassType::Consistent || space.is_extended()) return {};
   std::vector<double> lambda(static_cast<std::size_t>(space.num_spans()), 0);
   std::atomic<double> largest{0};
   std::atomic<bool> massless{false};

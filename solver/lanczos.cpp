@@ -1,5 +1,7 @@
 #include "solver/lanczos.hpp"
 
+#include "format/io/interrupt.hpp"
+
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
@@ -197,6 +199,7 @@ LanczosResult block_lanczos(const LanczosProblem& problem, const LanczosSettings
   }
   basis.start();
   for (int restarts = 0;;) {
+    io::stop_if_interrupted();
     const bool more = basis.step();
     const bool full = basis.size_with_next() > basis.capacity();
     if (basis.size() >= wanted || !more || full) {

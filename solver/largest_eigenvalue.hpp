@@ -12,6 +12,9 @@ struct LargestEigenvalue {
   Eigen::VectorXd mode;      ///< (num_unknowns), xᵀ M x = 1
 };
 
+/// On ω_max of a time step: Lanczos comes from below and stops there at 1e-3; ten times that is safe.
+constexpr double omega_safety = 1.01;
+
 /// @param tolerance  relative change and error of ω at which the iteration ends: 1e-8 for reports, 1e-3 for time steps
 /// @throws NumericalError where it does not converge
 LargestEigenvalue largest_eigenvalue(const StiffnessMatrix& K, const MassOperator& M, double tolerance);

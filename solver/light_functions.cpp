@@ -63,7 +63,7 @@ class Planner {
 
   LightFunctionPlan plan() {
     LightFunctionPlan plan;
-    if (remedy_ == LightFunctions::Linear || remedy_ == LightFunctions::DegreeP) {
+    if (extends(remedy_)) {
       find_neighbours();
       find_good_spans(plan.warnings);
       plan.fictitious = fictitious_;

@@ -143,6 +143,18 @@ void MassOperator::divide(const double* x, double* y, int columns) const {
   }
 }
 
+Eigen::MatrixXd columns_of(const StiffnessMatrix& K, const Eigen::MatrixXd& X) {
+  Eigen::MatrixXd Y(X.rows(), X.cols());
+  for (Eigen::Index c = 0; c < X.cols(); ++c) K.multiply(X.col(c).data(), Y.col(c).data());
+  return Y;
+}
+
+Eigen::MatrixXd columns_of(const MassOperator& M, const Eigen::MatrixXd& X) {
+  Eigen::MatrixXd Y(X.rows(), X.cols());
+  M.multiply(X.data(), Y.data(), static_cast<int>(X.cols()));
+  return Y;
+}
+
 double largest_mass_ratio(const MassMatrix& M, const VectorXd& masses) {
   const VectorXd inverse = per_unknown(masses.unaryExpr([](double m) { return m > 0 ? 1 / m : 0.0; }));
   LanczosProblem problem;
@@ -164,8 +176,7 @@ SparedMasses spare_masses(const SolutionSpace& space, double density) {
   constexpr double kept = 0.2; // of a node's own mass; less than this would let its frequency grow beyond bounds
   SparedMasses spared;
   spared.masses = lumped_mass(space, density);
-  const LightFunctions remedy = space.treatment().remedy;
-  if ((remedy != LightFunctions::Linear && remedy != LightFunctions::DegreeP) || space.num_light() == 0) return spared;
+  if (!space.is_extended()) return spared;
   const VectorXd own = lumped_mass(SolutionSpace(space.model(), {}), density); // of every active function
   const auto& E = space.extension();
   const auto nodes = space.node_functions();
@@ -207,10 +218,8 @@ MassOperator make_mass(MassType type, const SolutionSpace& space,
   }
   MassMatrix M = assemble_mass(space, connectivity, density);
   if (type == MassType::Consistent) return MassOperator::consistent(std::move(M));
-  const LightFunctions remedy = space.treatment().remedy;
-  const bool extended = remedy == LightFunctions::Linear || remedy == LightFunctions::DegreeP;
   MassOperator mass = MassOperator::multi_pass(std::move(M), type == MassType::TwoPass ? 2 : 3);
-  if (type == MassType::TwoPass && extended && space.num_light() > 0) {
+  if (type == MassType::TwoPass && space.is_extended()) {
     // Lanczos comes from below; 1 % is ten times its tolerance.
     const double ratio = 1.01 * largest_mass_ratio(*mass.matrix(), *mass.masses());
     if (ratio >= 2)

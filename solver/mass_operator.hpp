@@ -63,6 +63,10 @@ struct SparedMasses {
 };
 SparedMasses spare_masses(const SolutionSpace& space, double density);
 
+/// K X and M X, column by column. (num_unknowns × k)
+Eigen::MatrixXd columns_of(const StiffnessMatrix& K, const Eigen::MatrixXd& X);
+Eigen::MatrixXd columns_of(const MassOperator& M, const Eigen::MatrixXd& X);
+
 /// The mass of a run.
 /// @throws InputError for two passes on an extended space whose M_L⁻¹ M_C reaches 2
 MassOperator make_mass(MassType type, const SolutionSpace& space,

@@ -4,16 +4,12 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <array>
 #include <cmath>
 #include <fmt/format.h>
 
 namespace iga::solve {
 
 namespace {
-
-// Place of the tensor component (a, b) in a 6-vector: xx yy zz xy yz zx.
-constexpr std::array<std::array<int, 3>, 3> voigt{{{0, 3, 5}, {3, 1, 4}, {5, 4, 2}}};
 
 void need_density(double density) {
   if (!(density > 0) || !std::isfinite(density))
@@ -31,12 +27,10 @@ template <class Pick> double wave_speed(const ElasticMaterial& m, double start, 
         if (direction.isZero()) continue;
         const Eigen::Vector3d n = direction.normalized();
         Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
-        for (std::size_t a = 0; a < 3; ++a)
-          for (std::size_t c = 0; c < 3; ++c)
-            for (std::size_t b = 0; b < 3; ++b)
-              for (std::size_t d = 0; d < 3; ++d)
-                A(static_cast<int>(a), static_cast<int>(c)) +=
-                    n[static_cast<int>(b)] * m.C(voigt[a][b], voigt[c][d]) * n[static_cast<int>(d)];
+        for (int a = 0; a < 3; ++a)
+          for (int c = 0; c < 3; ++c)
+            for (int b = 0; b < 3; ++b)
+              for (int d = 0; d < 3; ++d) A(a, c) += n[b] * m.C(voigt_place[a][b], voigt_place[c][d]) * n[d];
         const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(A, Eigen::EigenvaluesOnly);
         extreme = pick(extreme, solver.eigenvalues());
       }

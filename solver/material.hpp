@@ -10,6 +10,9 @@ namespace iga::solve {
 using Voigt = Eigen::Matrix<double, 6, 1>;
 using VoigtMatrix = Eigen::Matrix<double, 6, 6>;
 
+/// Place of the tensor component (a, b) in such a vector.
+constexpr int voigt_place[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
+
 /// σ = C ε with a positive definite C.
 struct ElasticMaterial {
   VoigtMatrix C = VoigtMatrix::Zero(); ///< force/length², symmetric

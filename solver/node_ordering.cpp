@@ -7,25 +7,16 @@ namespace iga::solve {
 
 std::vector<std::int64_t> order_nodes(const NodePattern& pattern) {
   const auto n = static_cast<std::size_t>(pattern.num_nodes());
-  std::vector<SuiteSparse_long> offsets(pattern.offsets.begin(), pattern.offsets.end());
-  std::vector<SuiteSparse_long> rows(pattern.rows.begin(), pattern.rows.end()), order(n);
-  cholmod_sparse graph{};
-  graph.nrow = graph.ncol = n;
-  graph.nzmax = rows.size();
-  graph.p = offsets.data();
-  graph.i = rows.data();
-  graph.stype = -1;
-  graph.itype = CHOLMOD_LONG;
-  graph.xtype = CHOLMOD_PATTERN;
-  graph.dtype = CHOLMOD_DOUBLE;
-  graph.sorted = graph.packed = 1;
+  const std::vector<std::int64_t> rows(pattern.rows.begin(), pattern.rows.end());
+  std::vector<std::int64_t> order(n);
+  cholmod_sparse graph = lower_triangle(n, pattern.offsets, rows, nullptr);
   CholmodCommon common;
   // METIS has nothing to cut in a graph of one node, and CHOLMOD guards it against graphs it has no memory for: the
   // minimum degree order is always there.
   if (n < 2 || !cholmod_l_metis(&graph, nullptr, 0, 1, order.data(), common.get()))
     if (!cholmod_l_amd(&graph, nullptr, 0, order.data(), common.get()))
       throw InputError("not enough memory to order the unknowns of this model; use larger spans");
-  return {order.begin(), order.end()};
+  return order;
 }
 
 std::vector<std::int64_t> expand_order(std::span<const std::int64_t> node_order, int components) {

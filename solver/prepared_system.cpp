@@ -1,11 +1,21 @@
 #include "solver/prepared_system.hpp"
 
+#include "format/model/errors.hpp"
 #include "solver/assemble.hpp"
 #include "solver/stopwatch.hpp"
+
+#include <algorithm>
 
 #include <fmt/format.h>
 
 namespace iga::solve {
+
+void refuse_multipliers(const RunSettings& run) {
+  if (std::any_of(run.supports.begin(), run.supports.end(),
+                  [](const Support& s) { return s.method == SupportMethod::Lagrange; }))
+    throw InputError("the time step is that of explicit dynamics, which knows no Lagrange multipliers; use "
+                     "method = \"penalty\" or \"nitsche\" in the supports");
+}
 
 PreparedSystem prepare_system(const RunSettings& run, const TrimmedModel& model) {
   PreparedSystem system;

@@ -15,6 +15,10 @@ struct PreparedSystem {
   std::vector<std::pair<std::string, double>> timings; ///< stage, seconds
 };
 
+/// The largest eigenfrequency is that of explicit dynamics, which knows no Lagrange multipliers.
+/// @throws InputError where a support asks for them
+void refuse_multipliers(const RunSettings& run);
+
 PreparedSystem prepare_system(const RunSettings& run, const TrimmedModel& model);
 
 } // namespace iga::solve

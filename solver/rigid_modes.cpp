@@ -109,22 +109,17 @@ double lambda_scale(const SolutionSpace& space, const ElasticMaterial& material)
 FreeMotions free_motions(const StiffnessMatrix& K, const MassOperator& M, const ConstraintMatrix* constraints,
                          const MatrixXd& motions, double lambda_scale) {
   FreeMotions free;
-  const auto apply = [](const auto& op, const MatrixXd& X) {
-    MatrixXd Y(X.rows(), X.cols());
-    for (Index c = 0; c < X.cols(); ++c) Y.col(c) = op * VectorXd(X.col(c));
-    return Y;
-  };
-  MatrixXd V = orthonormal(motions, apply(M, motions));
+  MatrixXd V = orthonormal(motions, columns_of(M, motions));
   V = unconstrained(V, constraints);
   if (V.cols() > 0) {
-    const MatrixXd stiffness = V.transpose() * apply(K, V);
+    const MatrixXd stiffness = V.transpose() * columns_of(K, V);
     const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(0.5 * (stiffness + stiffness.transpose()));
     const Index count = (eigen.eigenvalues().array() < free_energy * lambda_scale).count();
     V = (V * eigen.eigenvectors().leftCols(count)).eval();
   }
-  free.vectors = orthonormal(V, apply(M, V));
-  free.mass_vectors = apply(M, free.vectors);
-  free.lambda = free.vectors.cwiseProduct(apply(K, free.vectors)).colwise().sum().transpose();
+  free.vectors = orthonormal(V, columns_of(M, V));
+  free.mass_vectors = columns_of(M, free.vectors);
+  free.lambda = free.vectors.cwiseProduct(columns_of(K, free.vectors)).colwise().sum().transpose();
   return free;
 }
 

@@ -16,6 +16,11 @@ enum class LightFunctions {
   DegreeP, ///< slaves by polynomials of the spline's own degree ((p + 1)³ masters)
 };
 
+/// Does a remedy make light functions follow others?
+constexpr bool extends(LightFunctions remedy) {
+  return remedy == LightFunctions::Linear || remedy == LightFunctions::DegreeP;
+}
+
 struct LightTreatment {
   LightFunctions remedy = LightFunctions::None;
   double threshold = 0; ///< mass fraction below which a function is light
@@ -37,6 +42,8 @@ class SolutionSpace {
   std::int64_t num_unknowns() const { return 3 * num_nodes(); }
   std::int64_t num_spans() const { return static_cast<std::int64_t>(model_->active.size()); }
   std::int64_t num_light() const { return num_light_; }
+  /// Are there slaves?
+  bool is_extended() const { return extends(treatment_.remedy) && num_light_ > 0; }
   /// Share of the material that fills the a-th span beside the part's own (finite-cell method): above 0 only in parts
   /// so thin that none of their functions is well filled. Stiffness and mass both count it.
   double fictitious_share(std::int64_t a) const {

@@ -1,27 +1,19 @@
 #include "solver/timestep_analysis.hpp"
 
-#include "format/model/errors.hpp"
 #include "solver/largest_eigenvalue.hpp"
 #include "solver/prepared_system.hpp"
 #include "solver/stopwatch.hpp"
-
-#include <algorithm>
 
 namespace iga::solve {
 
 namespace {
 
-// Lanczos stops at 1e-3, and it comes from below: ten times that is safe.
 constexpr double lanczos_tolerance = 1e-3;
-constexpr double safety = 1.01;
 
 } // namespace
 
 TimestepOutcome analyse_timestep(const RunSettings& run, const TrimmedModel& model) {
-  if (std::any_of(run.supports.begin(), run.supports.end(),
-                  [](const Support& s) { return s.method == SupportMethod::Lagrange; }))
-    throw InputError("the time step is that of explicit dynamics, which knows no Lagrange multipliers; use "
-                     "method = \"penalty\" or \"nitsche\" in the supports");
+  refuse_multipliers(run);
   PreparedSystem system = prepare_system(run, model);
   TimestepOutcome outcome;
   outcome.timings = std::move(system.timings);
@@ -33,7 +25,7 @@ TimestepOutcome analyse_timestep(const RunSettings& run, const TrimmedModel& mod
   const LargestEigenvalue largest = largest_eigenvalue(system.K, system.M, lanczos_tolerance);
   outcome.omega_max = largest.omega;
   outcome.products = largest.products;
-  outcome.omega_max_bound = safety * largest.omega;
+  outcome.omega_max_bound = omega_safety * largest.omega;
   outcome.dt_crit = 2 / outcome.omega_max;
   outcome.dt_safe = 2 / outcome.omega_max_bound;
   watch.stage("Lanczos");

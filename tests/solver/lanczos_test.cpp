@@ -1,11 +1,15 @@
 // Block Lanczos against dense eigenvalues.
 #include "solver/lanczos.hpp"
 
+#include "format/io/interrupt.hpp"
+
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <csignal>
+#include <cstdlib>
 
 using namespace iga::solve;
 using Eigen::MatrixXd;
@@ -112,4 +116,20 @@ TEST(Lanczos, IsTheSameEveryTime) {
                       b = block_lanczos(pair.problem(), {.wanted = 5});
   EXPECT_EQ(a.vectors, b.vectors);
   EXPECT_EQ(a.theta, b.theta);
+}
+
+// The first Ctrl-C only sets a flag: what runs long has to ask for it.
+TEST(BlockLanczosDeathTest, StopsWhereASignalArrived) {
+  const auto interrupted = [] {
+    iga::io::install_signal_handlers();
+    std::raise(SIGINT);
+    try {
+      const Pair pair(spread(30));
+      block_lanczos(pair.problem(), {.wanted = 2});
+    } catch (const iga::io::Interrupted&) {
+      std::exit(iga::io::pending_signal());
+    }
+    std::exit(0);
+  };
+  EXPECT_EXIT(interrupted(), testing::ExitedWithCode(SIGINT), "");
 }
