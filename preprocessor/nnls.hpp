@@ -1,7 +1,7 @@
 // Non-negative least squares with an updated QR factorisation and candidates that may be added while it runs.
 #pragma once
 
-#include "preprocessor/simd.hpp"
+#include "format/model/simd.hpp"
 
 #include <cstddef>
 #include <cstdint>

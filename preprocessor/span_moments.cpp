@@ -1,6 +1,6 @@
 #include "preprocessor/span_moments.hpp"
 
-#include "preprocessor/simd.hpp"
+#include "format/model/simd.hpp"
 
 #include <tbb/parallel_for.h>
 
