@@ -1,0 +1,41 @@
+// What contact, loads and outputs see of a deformable body during a step, and what they give back.
+#pragma once
+
+#include "format/model/triangle_mesh.hpp"
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+
+#include <string>
+
+namespace iga::solve {
+
+/// The embedded surface of one body, fine enough for contact. Vertex k stands at x_k = X_k + Σ_i S_ki u_i, where S
+/// holds the values of the *nodes'* shape functions (extension of light functions included: entries may be negative,
+/// rows sum to 1). A force f_k on the vertex puts S_ki f_k on node i: resultants and moments are exact.
+struct ContactSurface {
+  std::string body;
+  TriangleMesh mesh;                              ///< reference positions X, length, the part's frame
+  Eigen::SparseMatrix<double, Eigen::RowMajor> S; ///< (num_vertices × num_nodes)
+  double span_size = 0;                           ///< smallest side of a span, length
+  double density = 0;                             ///< mass/length³
+};
+
+/// State of one body at a force evaluation. All vectors (3 num_nodes), component fastest.
+struct BodyState {
+  const Eigen::VectorXd* displacement = nullptr; ///< u at t_n
+  const Eigen::VectorXd* velocity = nullptr;     ///< v at t_{n-1/2}
+  const Eigen::VectorXd* masses = nullptr;       ///< (num_nodes) row-sum lumped
+  int mass_passes = 1;                           ///< of the multi-pass mass: divides the stability budget
+  Eigen::VectorXd* force = nullptr;              ///< external forces are added here
+  Eigen::VectorXd* penalty_sum = nullptr;        ///< (num_nodes) Σ k |N~_i| Σ_j |N~_j| of all penalties so far (8.2)
+};
+
+/// What one force evaluation adds to the balance of energy; work is that of the interval t_{n-1} … t_n (trapezoidal).
+struct PenaltyEnergy {
+  double stored = 0;   ///< work done against contact springs, recoverable part included (contact)
+  double friction = 0; ///< dissipated, grows monotonically
+  double damping = 0;  ///< dissipated by contact damping
+};
+
+} // namespace iga::solve
