@@ -19,6 +19,8 @@ struct ForceReport {
   double viscous_power = 0;        ///< of damping stresses, energy/time
   std::int64_t inverted = 0;       ///< points whose law was not evaluated at their own J
   std::int32_t inverted_span = -1; ///< the first of them
+  std::int64_t eroded = 0;         ///< points taken out in this evaluation
+  double eroded_energy = 0;        ///< that they held
 };
 
 /// All that the points remember, as plain numbers: enough to go on bit for bit.

