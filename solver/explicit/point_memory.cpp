@@ -6,7 +6,7 @@ namespace {
 
 std::vector<double> numbers(const std::vector<Lanes>& from) {
   std::vector<double> to(lanes * from.size());
-  for (std::size_t k = 0; k < from.size(); ++k) store_lanes(from[k], to.data() + lanes * k);
+  for (std::size_t k = 0; k < from.size(); ++k) std::memcpy(to.data() + lanes * k, &from[k], sizeof(Lanes));
   return to;
 }
 
@@ -14,7 +14,7 @@ void restore(const std::vector<double>& from, std::vector<Lanes>& to) {
   if (from.size() != lanes * to.size())
     throw InputError("the saved state of the points has another size than the model and its material ask for; restart "
                      "with the files that the run began with");
-  for (std::size_t k = 0; k < to.size(); ++k) to[k] = load_lanes(from.data() + lanes * k);
+  for (std::size_t k = 0; k < to.size(); ++k) std::memcpy(&to[k], from.data() + lanes * k, sizeof(Lanes));
 }
 
 } // namespace

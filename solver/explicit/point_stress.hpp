@@ -7,7 +7,6 @@
 #include "solver/explicit/internal_forces.hpp"
 #include "solver/explicit/lane_transpose.hpp"
 #include "solver/explicit/law.hpp"
-#include "solver/explicit/laws/pack.hpp"
 
 #include <cmath>
 #include <limits>
@@ -55,30 +54,30 @@ template <class Law> class PointStress {
 
   /// @param weight  of the points, volume; 0 in lanes that do not count
   /// @param H       gradient with respect to the grid's axes; taken over by weight P in the same axes
-  [[gnu::always_inline]] void operator()(std::int64_t block, const Lanes& weight, TensorLanes& H) {
-    TensorLanes& F = in_.F;
-    if (rotated_) {
-      for (int a = 0; a < 3; ++a)
+  [[gnu::always_inline]] void operator()(std::int64_t block, const Wide& weight, TensorWide& H) {
+    if (rotated_)
+      for (int a = 0; a < 3; ++a) {
+        const Wide h[3] = {H(a, 0), H(a, 1), H(a, 2)};
         for (std::size_t b = 0; b < 3; ++b)
-          F(a, static_cast<int>(b)) = H(a, 0) * R_[b][0] + H(a, 1) * R_[b][1] + H(a, 2) * R_[b][2];
-    } else {
-      F = H;
-    }
-    for (int a = 0; a < 3; ++a) F(a, a) += 1.0;
+          H(a, static_cast<int>(b)) = h[0] * R_[b][0] + h[1] * R_[b][1] + h[2] * R_[b][2];
+      }
+    for (int a = 0; a < 3; ++a) H(a, a) = H(a, a) + 1.0;
+    for (int k = 0; k < 9; ++k) store(in_.F.c[k], H.c[k]);
     if (Law::needs_old_F || erodes_) {
       Lanes* old = memory_.F_old.data() + 9 * block;
       for (int k = 0; k < 9; ++k) {
-        in_.F_old.c[k] = old[k];
-        old[k] = F.c[k];
+        store(in_.F_old.c[k], wide(old[k]));
+        store(old[k], H.c[k]);
       }
     }
     TensorLanes P;
     LawOutput out;
     law_.stress(in_, memory_.history.data() + Law::history * block, P, out);
     if (viscous_ || erodes_) {
-      Lanes share = weight;
+      Lanes share;
+      store(share, weight);
       extras(block, share, P, out);
-      finish_point(share, P, out, H);
+      finish_point(wide(share), P, out, H);
     } else {
       finish_point(weight, P, out, H);
     }
@@ -124,30 +123,23 @@ template <class Law> class PointStress {
  private:
   static constexpr double no_J = std::numeric_limits<double>::infinity();
 
-  [[gnu::always_inline]] void finish_point(const Lanes& weight, const TensorLanes& P, const LawOutput& out,
-                                           TensorLanes& H) {
-    if (rotated_) {
-      for (int a = 0; a < 3; ++a)
-        for (std::size_t m = 0; m < 3; ++m)
-          H(a, static_cast<int>(m)) = (P(a, 0) * R_[0][m] + P(a, 1) * R_[1][m] + P(a, 2) * R_[2][m]) * weight;
-    } else {
-      for (int k = 0; k < 9; ++k) H.c[k] = P.c[k] * weight;
+  [[gnu::always_inline]] void finish_point(const Wide& weight, const TensorLanes& P, const LawOutput& out,
+                                           TensorWide& H) {
+    for (int a = 0; a < 3; ++a) {
+      const Wide p[3] = {wide(P(a, 0)) * weight, wide(P(a, 1)) * weight, wide(P(a, 2)) * weight};
+      for (std::size_t m = 0; m < 3; ++m)
+        H(a, static_cast<int>(m)) = rotated_ ? p[0] * R_[0][m] + p[1] * R_[1][m] + p[2] * R_[2][m] : p[m];
     }
-    bool inverted = false;
-    for (int k = 0; k < num_packs; ++k) {
-      store(speed_, k, max(pack_of(speed_, k), pack_of(out.wave_speed_squared, k)));
-      store(damping_, k, max(pack_of(damping_, k), pack_of(out.damping_ratio, k)));
-      store(J_, k, min(pack_of(J_, k), pack_of(out.J, k)));
-      PackMask mask;
-      std::memcpy(&mask, reinterpret_cast<const char*>(&out.inverted) + k * static_cast<int>(sizeof(mask)),
-                  sizeof(mask));
-      inverted = inverted || any(mask);
+    store(speed_, max(wide(speed_), wide(out.wave_speed_squared)));
+    store(damping_, max(wide(damping_), wide(out.damping_ratio)));
+    store(J_, min(wide(J_), wide(out.J)));
+    store(power_, wide(power_) + weight * wide(out.viscous_power));
+    if (any_lane(out.inverted)) {
+      Lanes counted;
+      store(counted, weight);
+      count_inverted(counted, out.inverted);
     }
-    power_ += weight * out.viscous_power;
-    if (inverted) count_inverted(weight, out.inverted);
   }
-
-  static Pack pack_of(const Lanes& x, int k) { return iga::solve::load(x, k); }
 
   [[gnu::noinline]] void count_inverted(const Lanes& weight, const LaneMask& mask) {
     for (std::size_t l = 0; l < lanes; ++l)

@@ -98,24 +98,25 @@ template <class Law, class Degrees> class SpanKernel final : public InternalForc
       for (std::size_t r = 0; r < num_rows(); ++r) std::copy_n(u + 3 * rows[r], line, to + r * line);
     }
     for (std::size_t k = 0; k < size; k += lanes) {
-      Lanes block[lanes];
-      for (std::size_t l = 0; l < lanes; ++l) block[l] = load_lanes(work.scratch + l * Work::padded + k);
+      Wide block[lanes];
+      for (std::size_t l = 0; l < lanes; ++l) block[l] = load_wide(work.scratch + l * Work::padded + k);
       transpose(block);
       for (std::size_t l = 0; l < lanes; ++l) work.u[k + l] = block[l];
     }
     Lanes counted{};
     for (std::size_t l = 0; l < static_cast<std::size_t>(group.count); ++l) counted[l] = 1;
     const TensorTable& table = plan_.tables[static_cast<std::size_t>(group.table)];
-    contract_table(degrees_, table, work, [&](int first, int count, TensorLanes* points) {
+    contract_table(degrees_, table, work, [&](int first, int count, TensorWide* points) {
       for (int q = 0; q < count; ++q)
-        stress(group.first_block + first + q, counted * table.weights[static_cast<std::size_t>(first + q)], points[q]);
+        stress(group.first_block + first + q, wide(counted) * table.weights[static_cast<std::size_t>(first + q)],
+               points[q]);
     });
     stress.finish(group.spans.data(), extremes);
     for (std::size_t k = 0; k < size; k += lanes) {
-      Lanes block[lanes];
+      Wide block[lanes];
       for (std::size_t l = 0; l < lanes; ++l) block[l] = work.f[k + l];
       transpose(block);
-      for (std::size_t l = 0; l < lanes; ++l) store_lanes(block[l], work.scratch + l * Work::padded + k);
+      for (std::size_t l = 0; l < lanes; ++l) store_wide(block[l], work.scratch + l * Work::padded + k);
     }
     for (std::size_t l = 0; l < static_cast<std::size_t>(group.count); ++l)
       add_rows(group.spans[l], work.scratch + l * Work::padded, f);
@@ -132,16 +133,16 @@ template <class Law, class Degrees> class SpanKernel final : public InternalForc
     const auto own = std::span(plan_.own_points)
                          .subspan(static_cast<std::size_t>(span.first_own), static_cast<std::size_t>(span.blocks));
     contract_points(degrees_, polynomials, own, work.scratch, work,
-                    [&](std::int64_t b, const OwnPoints& points, TensorLanes& H) {
-                      stress(span.first_block + b, points.weight, H);
+                    [&](std::int64_t b, const OwnPoints& points, TensorWide& H) {
+                      stress(span.first_block + b, wide(points.weight), H);
                     });
     std::array<std::int32_t, lanes> owner;
     owner.fill(span.span);
     stress.finish(owner.data(), extremes);
     for (std::size_t k = 0; k < size; k += lanes) {
-      Lanes block[lanes];
+      Wide block[lanes];
       for (std::size_t l = 0; l < lanes; ++l) block[l] = work.f[k + l];
-      store_lanes(lane_sums(block), work.scratch + k);
+      store_wide(lane_sums(block), work.scratch + k);
     }
     add_rows(span.span, work.scratch, f);
   }
