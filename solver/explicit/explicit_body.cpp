@@ -49,7 +49,7 @@ ExplicitBody::ExplicitBody(const TrimmedModel& model, const BodySettings& settin
       connectivity_(settings.mass == MassType::Lumped ? nullptr : std::make_shared<const Connectivity>(*space_)),
       small_strain_(solve::small_strain(law)),
       mass_(body_mass(settings, *space_, connectivity_, small_strain_.density)),
-      forces_(forces_of(law, settings.kernel)(*space_)) {
+      forces_(make_internal_forces(*space_, law, settings.kernel)) {
   plain_ = space_->num_nodes() == space_->extension().rows();
   if (!plain_) {
     transposed_ = space_->extension().transpose();

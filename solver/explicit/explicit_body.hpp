@@ -2,7 +2,7 @@
 #pragma once
 
 #include "solver/explicit/contact_body.hpp"
-#include "solver/explicit/law_kernels.hpp"
+#include "solver/explicit/internal_forces.hpp"
 #include "solver/mass_operator.hpp"
 
 #include <functional>

@@ -1,6 +1,7 @@
 // Internal forces of one body: what the time integration sees of span kernel and material law.
 #pragma once
 
+#include "solver/explicit/laws/laws.hpp"
 #include "solver/explicit/span_plan.hpp"
 
 #include <memory>
@@ -9,14 +10,9 @@ namespace iga::solve {
 
 /// What the kernel does besides asking the law.
 struct KernelOptions {
-  /// Bulk viscosity in compression, von Neumann and Richtmyer (1950), Landshoff (1955): pressure
-  /// q = ρ l tr D (Q1 l tr D - Q2 c), l = h J^(1/3). Both 0: none.
-  double quadratic_viscosity = 0; ///< Q1, often 1.5
-  double linear_viscosity = 0;    ///< Q2, often 0.06
-  bool erode_inverted = false;    ///< points that invert are taken out for good
-  double erosion_J = 0;           ///< so are those whose det F falls below this; 0: none
+  bool erode_inverted = false; ///< points that invert are taken out for good
+  double erosion_J = 0;        ///< so are those whose det F falls below this; 0: none
 
-  bool viscous() const { return quadratic_viscosity > 0 || linear_viscosity > 0; }
   bool erodes() const { return erode_inverted || erosion_J > 0; }
 };
 
@@ -38,9 +34,9 @@ struct ForceReport {
 
 /// All that the points remember, as plain numbers: enough to go on bit for bit.
 struct PointHistory {
-  std::vector<double> history; ///< (blocks × Law::history × 8)
+  std::vector<double> history; ///< (blocks × history of the law × 8)
   std::vector<double> F_old;   ///< (blocks × 9 × 8), or empty
-  std::vector<double> extra;   ///< of bulk viscosity and erosion; or empty
+  std::vector<double> extra;   ///< of erosion; or empty
 };
 
 class InternalForces {
@@ -62,5 +58,9 @@ class InternalForces {
   /// @throws InputError where it is not that of this body
   virtual void load(const PointHistory& history) = 0;
 };
+
+/// The kernel of a law for the degrees of a model; the model must outlive it.
+std::unique_ptr<InternalForces> make_internal_forces(const SolutionSpace& space, const Law& law,
+                                                     const KernelOptions& options = {});
 
 } // namespace iga::solve

@@ -19,6 +19,21 @@ void restore(const std::vector<double>& from, std::vector<Lanes>& to) {
 
 } // namespace
 
+PointMemory::PointMemory(const LawAccess& law, const KernelOptions& options, std::size_t blocks) {
+  const auto per_block = static_cast<std::size_t>(law.history);
+  history.resize(per_block * blocks);
+  if (law.history > 0)
+    for (std::size_t b = 0; b < blocks; ++b) law.start(law.law.get(), history.data() + per_block * b);
+  if (law.needs_old_F || options.erodes()) {
+    F_old.resize(9 * blocks);
+    for (std::size_t k = 0; k < F_old.size(); ++k) F_old[k] = Lanes{} + (k % 9 % 4 == 0 ? 1.0 : 0.0);
+  }
+  if (!options.erodes()) return;
+  extra_size = 11;
+  extra.resize(static_cast<std::size_t>(extra_size) * blocks);
+  for (std::size_t b = 0; b < blocks; ++b) extra[static_cast<std::size_t>(extra_size) * b] = Lanes{} + 1.0;
+}
+
 PointHistory PointMemory::save() const {
   return {numbers(history), numbers(F_old), numbers(extra)};
 }

@@ -6,7 +6,7 @@
 #include "format/model/spline_grid.hpp"
 #include "solver/explicit/internal_forces.hpp"
 #include "solver/explicit/lane_transpose.hpp"
-#include "solver/explicit/law.hpp"
+#include "solver/explicit/law_access.hpp"
 
 #include <cmath>
 #include <limits>
@@ -16,16 +16,15 @@ namespace iga::solve {
 /// What the points keep between steps, in blocks of eight.
 struct PointMemory {
   /// @param blocks  of points, all untouched
-  template <class Law> PointMemory(const Law& law, const KernelOptions& options, std::size_t blocks);
+  PointMemory(const LawAccess& law, const KernelOptions& options, std::size_t blocks);
   PointHistory save() const;
   /// @throws InputError where the sizes differ
   void load(const PointHistory& saved);
 
-  std::vector<Lanes> history; ///< (blocks × Law::history)
+  std::vector<Lanes> history; ///< (blocks × history of the law)
   std::vector<Lanes> F_old;   ///< (blocks × 9): for laws in rate form and for erosion; or empty
   std::vector<Lanes> extra;   ///< (blocks × extra_size)
-  /// With bulk viscosity first J of the last step; with erosion 1 for points at work and 0 for those taken out, energy
-  /// per reference volume, P of the last step (9).
+  /// With erosion: 1 for points at work and 0 for those taken out, energy per reference volume, P of the last step (9).
   int extra_size = 0;
 };
 
@@ -40,14 +39,14 @@ struct PointExtremes {
   void add(const PointExtremes& other);
 };
 
-template <class Law> class PointStress {
+class PointStress {
  public:
   /// @param dt      since the last evaluation
   /// @param length  smallest side of a span
-  PointStress(const Law& law, const KernelOptions& options, const Rotation& R, double dt, double length, double kappa,
-              PointMemory& memory)
-      : law_(law), options_(options), R_(R), rotated_(R != identity_rotation), viscous_(options.viscous()),
-        erodes_(options.erodes()), kappa_(kappa), memory_(memory), J_(Lanes{} + no_J) {
+  PointStress(const LawAccess& law, const KernelOptions& options, const Rotation& R, double dt, double length,
+              double kappa, PointMemory& memory)
+      : law_(law), options_(options), R_(R), rotated_(R != identity_rotation), erodes_(options.erodes()), kappa_(kappa),
+        memory_(memory), J_(Lanes{} + no_J) {
     in_.dt = dt;
     in_.length = length;
   }
@@ -63,7 +62,7 @@ template <class Law> class PointStress {
       }
     for (int a = 0; a < 3; ++a) H(a, a) = H(a, a) + 1.0;
     for (int k = 0; k < 9; ++k) store(in_.F.c[k], H.c[k]);
-    if (Law::needs_old_F || erodes_) {
+    if (law_.needs_old_F || erodes_) {
       Lanes* old = memory_.F_old.data() + 9 * block;
       for (int k = 0; k < 9; ++k) {
         store(in_.F_old.c[k], wide(old[k]));
@@ -72,11 +71,11 @@ template <class Law> class PointStress {
     }
     TensorLanes P;
     LawOutput out;
-    law_.stress(in_, memory_.history.data() + Law::history * block, P, out);
-    if (viscous_ || erodes_) {
+    law_.stress(law_.law.get(), in_, memory_.history.data() + law_.history * block, P, out);
+    if (erodes_) {
       Lanes share;
       store(share, weight);
-      extras(block, share, P, out);
+      erode(block, share, P, out);
       finish_point(wide(share), P, out, H);
     } else {
       finish_point(weight, P, out, H);
@@ -149,31 +148,9 @@ template <class Law> class PointStress {
       }
   }
 
-  // Bulk viscosity and erosion, lane by lane: rare, and dear only where they are asked for.
-  [[gnu::noinline]] void extras(std::int64_t block, Lanes& weight, TensorLanes& P, LawOutput& out) {
-    Lanes* extra = memory_.extra.data() + memory_.extra_size * block;
-    for (std::size_t l = 0; l < lanes; ++l) {
-      if (erodes_) erode(extra + (viscous_ ? 1 : 0), l, weight, P, out);
-      if (viscous_) add_bulk_viscosity(extra[0], l, weight[l], P, out);
-    }
-  }
-
-  void add_bulk_viscosity(Lanes& J_old, std::size_t l, double weight, TensorLanes& P, LawOutput& out) const {
-    const double J = out.J[l], last = J_old[l];
-    J_old[l] = J;
-    if (!(in_.dt > 0 && J < last && J > 0 && weight > 0)) return;
-    const double rate = 2 * (J - last) / ((J + last) * in_.dt); // tr D < 0
-    const double l_now = in_.length * std::cbrt(J), c = law_.reference_wave_speed();
-    const double q = law_.density / J * l_now *
-                     (options_.quadratic_viscosity * l_now * rate * rate - options_.linear_viscosity * c * rate);
-    const TensorLanes& F = in_.F;
-    for (int a = 0; a < 3; ++a)
-      for (int b = 0; b < 3; ++b) {
-        const int a1 = (a + 1) % 3, a2 = (a + 2) % 3, b1 = (b + 1) % 3, b2 = (b + 2) % 3;
-        P(a, b)[l] -= q * (F(a1, b1)[l] * F(a2, b2)[l] - F(a1, b2)[l] * F(a2, b1)[l]);
-      }
-    out.viscous_power[l] -= q * J * rate;
-    out.damping_ratio[l] += options_.linear_viscosity - options_.quadratic_viscosity * l_now * rate / c;
+  // Takes points out, lane by lane: dear only where it is asked for.
+  [[gnu::noinline]] void erode(std::int64_t block, Lanes& weight, TensorLanes& P, LawOutput& out) {
+    for (std::size_t l = 0; l < lanes; ++l) erode(memory_.extra.data() + memory_.extra_size * block, l, weight, P, out);
   }
 
   void erode(Lanes* extra, std::size_t l, Lanes& weight, TensorLanes& P, LawOutput& out) {
@@ -198,10 +175,10 @@ template <class Law> class PointStress {
     out.inverted[l] = 0;
   }
 
-  const Law& law_;
+  const LawAccess& law_;
   const KernelOptions& options_;
   const Rotation R_;
-  const bool rotated_, viscous_, erodes_;
+  const bool rotated_, erodes_;
   const double kappa_;
   PointMemory& memory_;
   LawInput in_;
@@ -210,22 +187,5 @@ template <class Law> class PointStress {
   bool has_inverted_ = false;
   std::int64_t eroded_ = 0;
 };
-
-template <class Law> PointMemory::PointMemory(const Law& law, const KernelOptions& options, std::size_t blocks) {
-  history.resize(static_cast<std::size_t>(Law::history) * blocks);
-  if constexpr (Law::history > 0)
-    for (std::size_t b = 0; b < blocks; ++b) law.start(history.data() + static_cast<std::size_t>(Law::history) * b);
-  if (Law::needs_old_F || options.erodes()) {
-    F_old.resize(9 * blocks);
-    for (std::size_t k = 0; k < F_old.size(); ++k) F_old[k] = Lanes{} + (k % 9 % 4 == 0 ? 1.0 : 0.0);
-  }
-  extra_size = (options.viscous() ? 1 : 0) + (options.erodes() ? 11 : 0);
-  extra.resize(static_cast<std::size_t>(extra_size) * blocks);
-  for (std::size_t b = 0; b < blocks; ++b) {
-    Lanes* of_block = extra.data() + static_cast<std::size_t>(extra_size) * b;
-    if (options.viscous()) *of_block++ = Lanes{} + 1.0;
-    if (options.erodes()) *of_block = Lanes{} + 1.0;
-  }
-}
 
 } // namespace iga::solve

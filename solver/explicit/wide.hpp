@@ -52,12 +52,12 @@ struct Wide {
 }
 [[gnu::always_inline]] inline Wide min(const Wide& x, const Wide& y) {
   Wide z;
-  for (int k = 0; k < num_packs; ++k) z.p[k] = min(x.p[k], y.p[k]);
+  for (int k = 0; k < num_packs; ++k) z.p[k] = x.p[k] < y.p[k] ? x.p[k] : y.p[k];
   return z;
 }
 [[gnu::always_inline]] inline Wide max(const Wide& x, const Wide& y) {
   Wide z;
-  for (int k = 0; k < num_packs; ++k) z.p[k] = max(x.p[k], y.p[k]);
+  for (int k = 0; k < num_packs; ++k) z.p[k] = x.p[k] > y.p[k] ? x.p[k] : y.p[k];
   return z;
 }
 /// Is the mask true in any lane?

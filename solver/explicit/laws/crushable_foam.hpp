@@ -20,7 +20,7 @@ struct FoamSettings {
   double E = 0;             ///< force/length²
   double nu = 0;            ///< elastic; no plastic Poisson effect
   double density = 0;       ///< mass/length³
-  Curve yield;              ///< Y(γ), force/length², positive, over the volumetric strain γ = 1 - V/V0
+  Curve yield = {};         ///< Y(γ), force/length², positive, over the volumetric strain γ = 1 - V/V0
   double tension_limit = 0; ///< force/length²; 0: Y(γ) in tension too
   double damping = 0;       ///< share β of σ_visc = β ρ0 c l D, 0 … 1
   FoamModulus modulus = FoamModulus::E;

@@ -20,8 +20,8 @@ struct InversionPolicy {
 
 /// Output of one pack, for laws without damping.
 struct PackOutput {
-  Pack wave_speed_squared;
-  Pack J;
+  Pack wave_speed_squared{};
+  Pack J{};
   PackMask inverted{};
   Pack viscous_power{};
   Pack damping_ratio{};

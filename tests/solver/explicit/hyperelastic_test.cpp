@@ -1,5 +1,6 @@
 #include "solver/explicit/laws/linear_elastic.hpp"
 #include "solver/explicit/laws/neo_hookean.hpp"
+#include "solver/explicit/laws/st_venant_kirchhoff.hpp"
 #include "tests/solver/explicit/law_driver.hpp"
 
 #include <gtest/gtest.h>
@@ -143,6 +144,52 @@ TEST(NeoHookean, Objective) {
 }
 TEST(NeoHookean, WaveSpeedBoundsTheAcousticTensor) {
   expect_wave_speed_bound(neo_hookean(E, nu, rho), 0.4);
+}
+
+double st_venant_energy(const Matrix3d& F) {
+  const Matrix3d strain = (F.transpose() * F - Matrix3d::Identity()) / 2;
+  const double below = std::min(F.determinant() - 0.05, 0.0), spring = (lambda + 2 * mu) / 0.05;
+  return lambda / 2 * strain.trace() * strain.trace() + mu * strain.squaredNorm() + spring / 2 * below * below;
+}
+
+TEST(StVenantKirchhoff, StressIsTheDerivativeOfTheEnergyAlsoWhereInverted) {
+  LawDriver point(st_venant_kirchhoff(E, nu, rho));
+  RandomTensors random;
+  for (int i = 0; i < 100; ++i) {
+    const Matrix3d F = (i % 2 ? diagonal(-1, 1, 1) : Matrix3d::Identity()) * random.deformation(0.4);
+    point.step(F);
+    const Matrix3d P = derivative(st_venant_energy, F);
+    EXPECT_LE((point.P() - P).norm(), 1e-7 * (1 + P.norm()));
+    EXPECT_EQ(count(point.out.inverted), F.determinant() < 0.05 ? 8 : 0);
+    EXPECT_LE(point.acoustic_maximum(), rho * point.out.wave_speed_squared[0] * (1 + 1e-6));
+  }
+}
+
+TEST(StVenantKirchhoff, UniaxialBiaxialShearAndVolumetricClosedForms) {
+  LawDriver point(st_venant_kirchhoff(E, nu, rho));
+  for (const double s : {0.6, 0.8, 1.0, 1.3}) {
+    const double e = (s * s - 1) / 2;
+    point.step(diagonal(s, 1, 1));
+    EXPECT_NEAR(point.P()(0, 0), s * (lambda + 2 * mu) * e, 1e-12);
+    EXPECT_NEAR(point.P()(1, 1), lambda * e, 1e-12);
+    point.step(diagonal(s, s, 1));
+    EXPECT_NEAR(point.P()(0, 0), s * (2 * lambda + 2 * mu) * e, 1e-12);
+    point.step(diagonal(s, s, s));
+    EXPECT_NEAR(point.P()(2, 2), s * (3 * lambda + 2 * mu) * e, 1e-12);
+    Matrix3d shear = Matrix3d::Identity(), S = lambda * s * s / 2 * Matrix3d::Identity();
+    shear(0, 1) = s;
+    S(1, 1) += mu * s * s;
+    S(0, 1) = S(1, 0) = mu * s;
+    point.step(shear);
+    EXPECT_LE((point.P() - shear * S).norm(), 1e-12);
+  }
+}
+
+TEST(StVenantKirchhoff, Objective) {
+  expect_objective(st_venant_kirchhoff(E, nu, rho), 0.3);
+}
+TEST(StVenantKirchhoff, WaveSpeedBoundsTheAcousticTensor) {
+  expect_wave_speed_bound(st_venant_kirchhoff(E, nu, rho), 0.3);
 }
 
 TEST(LinearElastic, HookesLawAndItsWaveSpeed) {

@@ -1,8 +1,7 @@
 // Internal forces of the explicit kernel against the assembled stiffness, closed forms and themselves.
-#include "solver/explicit/span_kernel.hpp"
+#include "solver/explicit/internal_forces.hpp"
 
 #include "solver/assemble.hpp"
-#include "solver/explicit/laws/laws.hpp"
 #include "tests/support/synthetic_model.hpp"
 
 #include <Eigen/Geometry>

@@ -1,8 +1,4 @@
 // The kernel of explicit dynamics: deformation gradients, stresses and internal forces, eight points at a time.
-#pragma once
-
-#include "format/model/errors.hpp"
-#include "solver/explicit/internal_forces.hpp"
 #include "solver/explicit/lane_transpose.hpp"
 #include "solver/explicit/point_stress.hpp"
 #include "solver/explicit/span_contraction.hpp"
@@ -17,13 +13,15 @@
 
 namespace iga::solve {
 
+namespace {
+
 /// Total Lagrangian internal forces of the spans of a body with one law. Memory per point: 32 B of place and weight in
 /// trimmed spans (none in interior ones), the law's history, 72 B of F where the law asks for it.
-template <class Law, class Degrees> class SpanKernel final : public InternalForces {
+template <class Degrees> class SpanKernel final : public InternalForces {
  public:
-  SpanKernel(const SolutionSpace& space, const Law& law, const KernelOptions& options)
-      : law_(law), options_(options), grid_(space.model().grid), plan_(make_span_plan(space)), degrees_(plan_.degree),
-        num_values_(3 * space.model().active_functions.size()),
+  SpanKernel(const SolutionSpace& space, LawAccess law, const KernelOptions& options)
+      : law_(std::move(law)), options_(options), grid_(space.model().grid), plan_(make_span_plan(space)),
+        degrees_(plan_.degree), num_values_(3 * space.model().active_functions.size()),
         memory_(law_, options_, static_cast<std::size_t>(plan_.num_point_blocks())) {
     const Point3 h = grid_.span_size();
     length_ = std::min({h[0], h[1], h[2]});
@@ -42,7 +40,7 @@ template <class Law, class Degrees> class SpanKernel final : public InternalForc
     return report();
   }
 
-  double reference_wave_speed() const override { return law_.reference_wave_speed(); }
+  double reference_wave_speed() const override { return law_.wave_speed; }
   const SpanPlan& plan() const override { return plan_; }
 
   void set_frequency_ratio(double kappa) override { kappa_ = kappa; }
@@ -80,7 +78,7 @@ template <class Law, class Degrees> class SpanKernel final : public InternalForc
     Work& work = work_.local();
     const WorkBlock& block = plan_.blocks[b];
     PointExtremes extremes;
-    PointStress<Law> stress(law_, options_, grid_.rotation(), dt, length_, kappa_, memory_);
+    PointStress stress(law_, options_, grid_.rotation(), dt, length_, kappa_, memory_);
     for (auto g = block.groups[0]; g < block.groups[1]; ++g)
       visit_group(plan_.groups[static_cast<std::size_t>(g)], u, f, work, stress, extremes);
     for (auto s = block.point_spans[0]; s < block.point_spans[1]; ++s)
@@ -88,7 +86,7 @@ template <class Law, class Degrees> class SpanKernel final : public InternalForc
     extremes_[b] = extremes;
   }
 
-  void visit_group(const SpanGroup& group, const double* u, double* f, Work& work, PointStress<Law>& stress,
+  void visit_group(const SpanGroup& group, const double* u, double* f, Work& work, PointStress& stress,
                    PointExtremes& extremes) {
     const auto line = static_cast<std::size_t>(3 * (degrees_.u + 1));
     const std::size_t size = line * num_rows();
@@ -122,7 +120,7 @@ template <class Law, class Degrees> class SpanKernel final : public InternalForc
       add_rows(group.spans[l], work.scratch + l * Work::padded, f);
   }
 
-  void visit_points(const PointSpan& span, const double* u, double* f, Work& work, PointStress<Law>& stress,
+  void visit_points(const PointSpan& span, const double* u, double* f, Work& work, PointStress& stress,
                     PointExtremes& extremes) {
     const auto line = static_cast<std::size_t>(3 * (degrees_.u + 1));
     const std::size_t size = line * num_rows();
@@ -163,7 +161,7 @@ template <class Law, class Degrees> class SpanKernel final : public InternalForc
   ForceReport report() const {
     PointExtremes all;
     for (const PointExtremes& part : extremes_) all.add(part);
-    return {law_.reference_wave_speed() / std::sqrt(all.speed_squared),
+    return {law_.wave_speed / std::sqrt(all.speed_squared),
             all.speed_span,
             all.min_J,
             all.J_span,
@@ -174,7 +172,7 @@ template <class Law, class Degrees> class SpanKernel final : public InternalForc
             all.eroded_energy};
   }
 
-  Law law_;
+  LawAccess law_;
   KernelOptions options_;
   SplineGrid grid_;
   SpanPlan plan_;
@@ -186,21 +184,22 @@ template <class Law, class Degrees> class SpanKernel final : public InternalForc
   tbb::enumerable_thread_specific<Work> work_;
 };
 
-/// The kernel of a law for the degrees of a model. The space (its model) must outlive it.
-template <class Law>
+} // namespace
+
 std::unique_ptr<InternalForces> make_internal_forces(const SolutionSpace& space, const Law& law,
-                                                     const KernelOptions& options = {}) {
+                                                     const KernelOptions& options) {
+  LawAccess own = std::visit([](const auto& l) { return access(l); }, law);
   const auto p = space.model().grid.degree();
-  if (p[0] != p[1] || p[1] != p[2]) return std::make_unique<SpanKernel<Law, AnyDegrees>>(space, law, options);
+  if (p[0] != p[1] || p[1] != p[2]) return std::make_unique<SpanKernel<AnyDegrees>>(space, std::move(own), options);
   switch (p[0]) {
   case 1:
-    return std::make_unique<SpanKernel<Law, EqualDegrees<1>>>(space, law, options);
+    return std::make_unique<SpanKernel<EqualDegrees<1>>>(space, std::move(own), options);
   case 2:
-    return std::make_unique<SpanKernel<Law, EqualDegrees<2>>>(space, law, options);
+    return std::make_unique<SpanKernel<EqualDegrees<2>>>(space, std::move(own), options);
   case 3:
-    return std::make_unique<SpanKernel<Law, EqualDegrees<3>>>(space, law, options);
+    return std::make_unique<SpanKernel<EqualDegrees<3>>>(space, std::move(own), options);
   default:
-    return std::make_unique<SpanKernel<Law, EqualDegrees<4>>>(space, law, options);
+    return std::make_unique<SpanKernel<EqualDegrees<4>>>(space, std::move(own), options);
   }
 }
 
