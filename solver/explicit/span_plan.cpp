@@ -294,6 +294,16 @@ class Planner {
 
 } // namespace
 
+double contraction_flops(const SpanPlan& plan) {
+  double lanes_of_fma = 0;
+  for (const SpanGroup& group : plan.groups)
+    lanes_of_fma += group.count * group_cost(plan.degree, plan.tables[static_cast<std::size_t>(group.table)]);
+  const auto& p = plan.degree;
+  const double polynomials = (p[0] + 1) * (2 * p[0] - 1) + (p[1] + 1) * (2 * p[1] - 1) + (p[2] + 1) * (2 * p[2] - 1);
+  lanes_of_fma += static_cast<double>(plan.num_points - plan.num_group_points) * (point_cost(p, 1) + polynomials);
+  return 2 * lanes_of_fma;
+}
+
 SpanPlan make_span_plan(const SolutionSpace& space) {
   return Planner(space).make();
 }

@@ -75,4 +75,8 @@ struct SpanPlan {
 
 SpanPlan make_span_plan(const SolutionSpace& space);
 
+/// Floating-point operations of one evaluation outside the material law, padding lanes not counted: shape functions of
+/// points in trimmed spans, gradients, forces.
+double contraction_flops(const SpanPlan& plan);
+
 } // namespace iga::solve
