@@ -1,6 +1,7 @@
 // Explicit runs against closed forms and conservation laws.
 #include "solver/explicit/integrator.hpp"
 
+#include "format/model/errors.hpp"
 #include "tests/support/synthetic_model.hpp"
 
 #include <gtest/gtest.h>
@@ -287,4 +288,121 @@ TEST(Integrator, ASavedStateGoesOnBitForBit) {
     EXPECT_EQ(a.energy_error(), c.energy_error());
     EXPECT_EQ(a.momentum(0).angular_impulse, c.momentum(0).angular_impulse);
   }
+}
+
+// Laws with history and rate go on bit for bit too, threads or not; and the foam's crushing is paid for.
+TEST(Integrator, CrushedFoamKeepsItsBooksAndItsHistory) {
+  const TrimmedModel model = small_body(2);
+  FoamSettings foam{.E = 2.5, .nu = 0, .density = density, .yield = Curve({0, 0.6, 0.9}, {0.05, 0.08, 0.8}, "foam")};
+  foam.damping = 0.1;
+  foam.tension_limit = 0.05;
+  const auto make = [&] { return std::make_unique<ExplicitBody>(model, lumped(), CrushableFoam(foam)); };
+  const auto inward = [](const Point3& x) {
+    return Point3{-0.3 * (x[0] - 4.3), -0.3 * (x[1] - 3.8), -0.3 * (x[2] - 3.8)};
+  };
+  const IntegratorSettings run{.end_time = 1e9, .safety = 0.5, .max_steps = 200};
+  const auto whole = make(), first = make(), second = make();
+  Integrator a({whole.get()}, run), b({first.get()}, run), c({second.get()}, run);
+  whole->set_velocity(inward);
+  first->set_velocity(inward);
+  a.start();
+  a.run();
+  EXPECT_LT(a.energy_error(), 1e-2);
+  EXPECT_GT(a.energy().internal, 0.3 * a.energy().total());
+  EXPECT_GT(a.energy().damping, 0);
+  {
+    const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+    b.start();
+    b.run([](const Integrator& i) { return i.steps() == 71; });
+  }
+  c.load(b.save(), b.limits());
+  c.run();
+  EXPECT_TRUE((whole->displacement.array() == second->displacement.array()).all());
+  EXPECT_EQ(a.energy().values(), c.energy().values());
+  const IntegratorState state = a.save();
+  EXPECT_EQ(state.bodies[0].points.history, c.save().bodies[0].points.history);
+  IntegratorState wrong = state;
+  wrong.bodies[0].points.history.pop_back();
+  EXPECT_THROW(c.load(wrong, a.limits()), InputError);
+}
+
+TEST(Integrator, ErodedPointsTakeTheirEnergyIntoTheBooks) {
+  const TrimmedModel model = small_body(2);
+  BodySettings settings = lumped();
+  settings.kernel.erosion_J = 0.85;
+  ExplicitBody body(model, settings, large_strain(0.3));
+  body.set_velocity([](const Point3& x) { return Point3{-0.4 * (x[0] - 4.3), 0, 0}; });
+  Integrator integrator({&body}, {.end_time = 1e9, .safety = 0.3, .max_steps = 400});
+  integrator.start();
+  integrator.run();
+  EXPECT_GT(integrator.eroded(0), 0);
+  EXPECT_LT(integrator.eroded(0), static_cast<std::int64_t>(model.points.weights.size()));
+  EXPECT_GT(integrator.energy().eroded, 0);
+  EXPECT_GT(integrator.energy().internal, -1e-3 * integrator.energy().eroded);
+  EXPECT_LT(integrator.energy_error(), 1e-2);
+}
+
+TEST(Integrator, ARunThatBlowsUpSaysWhenAndWhere) {
+  const TrimmedModel model = small_body(2);
+  ExplicitBody body(model, lumped(), large_strain(0.3));
+  body.set_velocity(swirl);
+  StartStep limit = body.start_step();
+  limit.dt *= 1.5;
+  Integrator integrator({&body}, {.end_time = 1e9, .safety = 1, .energy_limit = 0.5, .max_steps = 100000});
+  integrator.start({limit});
+  try {
+    integrator.run();
+    FAIL() << "a step beyond the critical one must end the run";
+  } catch (const NumericalError& error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("t = "), std::string::npos) << text;
+    EXPECT_NE(text.find("body 'part'"), std::string::npos) << text;
+  }
+}
+
+TEST(Integrator, InvertedPointsAreCountedAndCanEndTheRun) {
+  const TrimmedModel model = small_body(2);
+  for (const bool stops : {false, true}) {
+    BodySettings settings = lumped();
+    settings.stop_at_inverted = stops;
+    ExplicitBody body(model, settings, large_strain(0.3));
+    body.set_velocity([](const Point3& x) { return Point3{x[0] > 4.3 ? -8.0 : 8.0, 0, 0}; });
+    Integrator integrator({&body}, {.end_time = 0.5, .safety = 0.1});
+    integrator.start();
+    if (stops) {
+      EXPECT_THROW(integrator.run(), NumericalError);
+    } else {
+      integrator.run();
+    }
+    EXPECT_GT(integrator.inverted(0), 0);
+    EXPECT_GE(integrator.report(0).min_J_span, 0);
+  }
+}
+
+namespace {
+
+// The same acceleration of all nodes along x.
+class Push final : public LoadSource {
+ public:
+  void add_forces(const StepTimes& times, std::span<const BodyState> bodies) override {
+    for (const BodyState& body : bodies)
+      for (Eigen::Index n = 0; n < body.masses->size(); ++n)
+        (*body.force)[3 * n] += (*body.masses)[n] * std::sin(0.3 * times.time);
+  }
+};
+
+} // namespace
+
+TEST(Integrator, LoadsDoTheWorkThatTheBodyGains) {
+  const TrimmedModel model = small_body(2);
+  ExplicitBody body(model, lumped(), large_strain(0.3));
+  Push push;
+  Integrator integrator({&body}, {.end_time = 10, .largest_dt = 0.1});
+  integrator.add(push);
+  integrator.start();
+  integrator.run();
+  const double mass = body.mass().masses()->sum(), v = (1 - std::cos(3.0)) / 0.3;
+  EXPECT_NEAR(integrator.energy().external / (0.5 * mass * v * v), 1, 2e-3);
+  EXPECT_LT(integrator.energy_error(), 1e-10);
+  EXPECT_LT(integrator.momentum(0).linear_error().norm(), 1e-12 * integrator.momentum(0).linear.norm());
 }
