@@ -25,10 +25,11 @@ One number for --spans counts along the longest side, with cubic spans; one for 
 holds in all directions. The settings file uses the flags' names with underscores: input, output, scale, length_unit,
 title; [surface] repair, wrap, wrap_alpha, wrap_offset, region_angle, accept_leaks; [grid] box, spans, span_size, degree,
 margin, rotation, rotate_axis_angle, optimise_offset; [trim] sliver_tolerance, min_fraction; [quadrature] interior
-(--quadrature), trimmed, moment_degree, tolerance. Paths in it are relative to its folder.
+(--quadrature), trimmed, moment_degree, tolerance, rank_bound. Paths in it are relative to its folder.
 
 Exit codes: 0 done, 1 fault of the program, 2 input, usage or file access, 3 a file breaks the schema, 4 a method did not
-reach its tolerance, 130 and 143 interrupted (no file is changed).)";
+reach its tolerance, 130 and 143 interrupted: no file is changed, unless the points were being reduced (--trimmed
+minimal); then the file is written with the rules there are.)";
 
 // Numbers that follow these flags are joined by commas to one word: a file name may then follow a list of open length,
 // and a negative number is not taken for a flag.
@@ -142,7 +143,12 @@ void add_options(CLI::App& app, Raw& raw, TypedSettings& t, CommandLine& line) {
   app.add_option("--quadrature", t.interior, "Rule of interior spans: gauss [gauss]")
       ->type_name("RULE")
       ->group(quadrature);
-  app.add_option("--trimmed", t.trimmed, "Rule of trimmed spans: nnls [nnls]")->type_name("RULE")->group(quadrature);
+  app.add_option("--trimmed", t.trimmed, "Rule of trimmed spans: nnls, or minimal: points taken out and moved [nnls]")
+      ->type_name("RULE")
+      ->group(quadrature);
+  io::add_switch(app, "--rank-bound,!--no-rank-bound", t.rank_bound,
+                 "With minimal: keep in a span as many points as its own stiffness has rank")
+      ->group(quadrature);
   app.add_option("--moment-degree", raw.moment_degree, "Moments kept on trimmed spans: p, 2p or numbers [p]")
       ->type_name("Q [Q Q]")
       ->group(quadrature);

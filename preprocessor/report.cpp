@@ -60,6 +60,12 @@ void add_run(io::JsonObject& json, const PrepReport& r) {
   json.add("prism_spans", r.counts.prism_spans);
   json.add("fitted_spans", r.counts.fitted_spans);
   json.add("refined_spans", r.counts.refined_spans);
+  json.add("removed_by_newton", r.counts.reduction.newton);
+  json.add("removed_by_bounded_descent", r.counts.reduction.bounded);
+  json.add("stalled_spans", r.counts.reduction.stalls);
+  json.add("unreduced_spans", r.counts.reduction.unchanged);
+  json.add("secured_spans", r.counts.secured_spans);
+  json.add("kept_spans", r.counts.kept_spans);
   if (r.offset) {
     io::JsonObject offset;
     offset.add("light_before", r.offset->light_before);
