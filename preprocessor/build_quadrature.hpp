@@ -9,7 +9,7 @@
 namespace iga::prep {
 
 struct QuadratureOptions {
-  std::string interior_rule = "gauss";
+  std::string interior_rule = "gauss"; ///< gauss | ggq | ggq-reduced | ggq-reduced2
   std::string trimmed_rule = "nnls";
   std::array<int, 3> moment_degree{2, 2, 2};
   double tolerance = 1e-10; ///< on the relative moment residual of every span
@@ -19,10 +19,11 @@ struct QuadratureOptions {
 
 /// How the spans got their rules; for the report.
 struct QuadratureCounts {
-  std::int64_t box_spans = 0;     ///< axis-aligned boxes: Gauss on the box
-  std::int64_t prism_spans = 0;   ///< prisms along an axis: 2-D fit × Gauss
-  std::int64_t fitted_spans = 0;  ///< 3-D moment fitting
-  std::int64_t refined_spans = 0; ///< fitted spans that needed more than the first set of candidates
+  std::int64_t interior_boxes = 0; ///< boxes of interior spans that share a rule; 0 where each span has its own
+  std::int64_t box_spans = 0;      ///< axis-aligned boxes: Gauss on the box
+  std::int64_t prism_spans = 0;    ///< prisms along an axis: 2-D fit × Gauss
+  std::int64_t fitted_spans = 0;   ///< 3-D moment fitting
+  std::int64_t refined_spans = 0;  ///< fitted spans that needed more than the first set of candidates
 };
 
 struct QuadratureResult {

@@ -1,6 +1,7 @@
 #include "preprocessor/settings.hpp"
 
 #include "format/model/errors.hpp"
+#include "preprocessor/generalised_gauss.hpp"
 
 #include <cmath>
 #include <fmt/format.h>
@@ -143,9 +144,7 @@ QuadratureOptions quadrature_options(const TypedSettings& typed, const std::arra
   QuadratureOptions quadrature;
   quadrature.interior_rule = typed.interior.value_or("gauss");
   quadrature.trimmed_rule = typed.trimmed.value_or("nnls");
-  if (quadrature.interior_rule != "gauss")
-    throw InputError(fmt::format("quadrature interior = \"{}\": this version has the rule gauss for interior spans",
-                                 quadrature.interior_rule));
+  for (const int degree : p) target_space(quadrature.interior_rule, degree);
   if (quadrature.trimmed_rule != "nnls")
     throw InputError(fmt::format("quadrature trimmed = \"{}\": this version has the rule nnls for trimmed spans",
                                  quadrature.trimmed_rule));
