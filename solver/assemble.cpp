@@ -18,8 +18,8 @@ struct WorkSpace {
 };
 
 // G_ij = Σ_q w ∇N_i ∇N_jᵀ: all that a span's stiffness needs of its points, whatever the material. Lower triangle.
-void gradient_products(const SolutionSpace& space, std::int64_t a, WorkSpace& work) {
-  const auto [parameters, weights] = span_points(space, a, work.points);
+void gradient_products(const SolutionSpace& space, std::int64_t a, InteriorPoints interior, WorkSpace& work) {
+  const auto [parameters, weights] = span_points(space, a, work.points, interior);
   evaluate(space, a, parameters, Shapes::Gradients, work.shapes);
   const Eigen::Map<const Eigen::ArrayXd> w(weights.data(), static_cast<Eigen::Index>(weights.size()));
   work.weighted = work.shapes.gradients.array().colwise() * w.sqrt();
@@ -82,7 +82,7 @@ struct SpanClasses {
 
 constexpr double same_place = 1e-9;
 
-SpanClasses classify(const SolutionSpace& space) {
+SpanClasses classify(const SolutionSpace& space, InteriorPoints interior) {
   const TrimmedModel& model = space.model();
   const SplineGrid& grid = model.grid;
   const Index3 extent = grid.spans();
@@ -91,13 +91,14 @@ SpanClasses classify(const SolutionSpace& space) {
   tbb::parallel_for(std::size_t{0}, keys.size(), [&](std::size_t s) {
     const auto a = static_cast<std::int64_t>(s);
     if (static_cast<SpanState>(model.state[static_cast<std::size_t>(model.active[s])]) != SpanState::Interior) return;
-    if (space.local_extension(a).size() > 0) return;
+    if (space.local_extension(a).size() > 0 || space.fictitious_share(a) > 0) return;
     const Index3 ijk = grid.span_index(model.active[s]);
     const Box3 box = grid.span_box(ijk);
     auto& key = keys[s];
     for (std::size_t d = 0; d < 3; ++d) // distance from the ends of the grid, as far as the functions feel it
       key.push_back(std::min<std::int64_t>(ijk[d], p[d] - 1) * 16 +
                     std::min<std::int64_t>(extent[d] - 1 - ijk[d], p[d] - 1));
+    if (replaces_points(model, a, interior)) return; // the same points in all of them
     const auto parameters = span_parameters(model, a), weights = span_weights(model, a);
     for (std::size_t q = 0; q < weights.size(); ++q) {
       for (std::size_t d = 0; d < 3; ++d)
@@ -127,8 +128,9 @@ SpanClasses classify(const SolutionSpace& space) {
 
 // Adds compute(span, work) → matrix of every span; once per class.
 template <class Matrix, class Compute>
-void add_spans(const SolutionSpace& space, const Connectivity& connectivity, Matrix& matrix, Compute compute) {
-  const SpanClasses classes = classify(space);
+void add_spans(const SolutionSpace& space, const Connectivity& connectivity, InteriorPoints interior, Matrix& matrix,
+               Compute compute) {
+  const SpanClasses classes = classify(space, interior);
   tbb::enumerable_thread_specific<WorkSpace> work_spaces;
   std::vector<Eigen::MatrixXd> shared(classes.representative.size());
   tbb::parallel_for(std::size_t{0}, shared.size(),
@@ -136,7 +138,8 @@ void add_spans(const SolutionSpace& space, const Connectivity& connectivity, Mat
   const auto& offsets = space.model().points.offsets;
   for_spans(connectivity, [&](std::int64_t a) {
     const auto s = static_cast<std::size_t>(a);
-    if (offsets[s] == offsets[s + 1]) return; // generalised rules leave spans without points
+    // Generalised rules leave spans without points.
+    if (offsets[s] == offsets[s + 1] && interior == InteriorPoints::Model && space.fictitious_share(a) == 0) return;
     const std::int32_t kind = classes.of_span[s];
     matrix.add(space.nodes(a), kind >= 0 ? shared[static_cast<std::size_t>(kind)] : compute(a, work_spaces.local()));
   });
@@ -148,34 +151,36 @@ StiffnessMatrix assemble_stiffness(const SolutionSpace& space, const std::shared
                                    const ElasticMaterial& material) {
   const Elasticity elasticity(material);
   StiffnessMatrix K(connectivity);
-  add_spans(space, *connectivity, K, [&](std::int64_t a, WorkSpace& work) -> const Eigen::MatrixXd& {
-    gradient_products(space, a, work);
-    elasticity.apply(work.product);
-    return work.product;
-  });
+  add_spans(space, *connectivity, InteriorPoints::Model, K,
+            [&](std::int64_t a, WorkSpace& work) -> const Eigen::MatrixXd& {
+              gradient_products(space, a, InteriorPoints::Model, work);
+              elasticity.apply(work.product);
+              return work.product;
+            });
   return K;
 }
 
 MassMatrix assemble_mass(const SolutionSpace& space, const std::shared_ptr<const Connectivity>& connectivity,
                          double density) {
   MassMatrix M(connectivity);
-  add_spans(space, *connectivity, M, [&](std::int64_t a, WorkSpace& work) -> const Eigen::MatrixXd& {
-    const auto [parameters, weights] = span_points(space, a, work.points);
-    evaluate(space, a, parameters, Shapes::Values, work.shapes);
-    const Eigen::Map<const Eigen::ArrayXd> w(weights.data(), static_cast<Eigen::Index>(weights.size()));
-    work.weighted = work.shapes.values.array().colwise() * (density * w).sqrt();
-    work.product.setZero(work.weighted.cols(), work.weighted.cols());
-    work.product.selfadjointView<Eigen::Lower>().rankUpdate(work.weighted.transpose());
-    return work.product;
-  });
+  add_spans(space, *connectivity, InteriorPoints::Gauss, M,
+            [&](std::int64_t a, WorkSpace& work) -> const Eigen::MatrixXd& {
+              const auto [parameters, weights] = span_points(space, a, work.points, InteriorPoints::Gauss);
+              evaluate(space, a, parameters, Shapes::Values, work.shapes);
+              const Eigen::Map<const Eigen::ArrayXd> w(weights.data(), static_cast<Eigen::Index>(weights.size()));
+              work.weighted = work.shapes.values.array().colwise() * (density * w).sqrt();
+              work.product.setZero(work.weighted.cols(), work.weighted.cols());
+              work.product.selfadjointView<Eigen::Lower>().rankUpdate(work.weighted.transpose());
+              return work.product;
+            });
   return M;
 }
 
 void span_stiffness(const SolutionSpace& space, std::int64_t a, const ElasticMaterial& material, SpanShapes& shapes,
-                    Eigen::MatrixXd& block) {
+                    Eigen::MatrixXd& block, InteriorPoints interior) {
   WorkSpace work;
   std::swap(work.shapes, shapes);
-  gradient_products(space, a, work);
+  gradient_products(space, a, interior, work);
   Elasticity(material).apply(work.product);
   std::swap(work.shapes, shapes);
   block = std::move(work.product);
