@@ -1,5 +1,8 @@
 #include "solver/assemble.hpp"
 
+#include "solver/tensor_gradients.hpp"
+
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -14,8 +17,14 @@ namespace {
 struct WorkSpace {
   SpanShapes shapes;
   SpanPointStorage points;
+  TensorPoints tensor;
   Eigen::MatrixXd weighted, product, block;
 };
+
+bool is_interior(const TrimmedModel& model, std::int64_t a) {
+  return static_cast<SpanState>(model.state[static_cast<std::size_t>(model.active[static_cast<std::size_t>(a)])]) ==
+         SpanState::Interior;
+}
 
 // G_ij = Σ_q w ∇N_i ∇N_jᵀ: all that a span's stiffness needs of its points, whatever the material. Lower triangle.
 void gradient_products(const SolutionSpace& space, std::int64_t a, InteriorPoints interior, WorkSpace& work) {
@@ -54,17 +63,22 @@ class Elasticity {
           g(0, 2) = g(2, 0);
           g(1, 2) = g(2, 1);
         }
-        Eigen::Matrix3d k;
-        if (is_isotropic_) {
-          k = lambda_ * g + mu_ * g.transpose();
-          k.diagonal().array() += mu_ * g.trace();
-        } else {
-          for (int a = 0; a < 3; ++a)
-            for (int b = 0; b < 3; ++b) k(a, b) = C_[a][b].cwiseProduct(g).sum();
-        }
-        if (i == j) k.triangularView<Eigen::StrictlyUpper>() = k.transpose().eval();
-        G.block<3, 3>(3 * i, 3 * j) = k;
+        G.block<3, 3>(3 * i, 3 * j) = block(g, i == j);
       }
+  }
+
+  // K_ij from a whole G_ij.
+  Eigen::Matrix3d block(const Eigen::Matrix3d& g, bool on_diagonal) const {
+    Eigen::Matrix3d k;
+    if (is_isotropic_) {
+      k = lambda_ * g + mu_ * g.transpose();
+      k.diagonal().array() += mu_ * g.trace();
+    } else {
+      for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < 3; ++b) k(a, b) = C_[a][b].cwiseProduct(g).sum();
+    }
+    if (on_diagonal) k.triangularView<Eigen::StrictlyUpper>() = k.transpose().eval();
+    return k;
   }
 
  private:
@@ -72,6 +86,23 @@ class Elasticity {
   double lambda_ = 0, mu_ = 0;
   bool is_isotropic_ = false;
 };
+
+// work.product: the stiffness of a span, lower triangle. Interior spans' tensor points take the short way.
+void span_matrix(const SolutionSpace& space, std::int64_t a, const Elasticity& elasticity, InteriorPoints interior,
+                 WorkSpace& work) {
+  const TrimmedModel& model = space.model();
+  if (is_interior(model, a) && space.local_extension(a).size() == 0 &&
+      as_tensor(span_points(space, a, work.points, interior), work.tensor)) {
+    const GradientProducts products(model.grid, model.active[static_cast<std::size_t>(a)], work.tensor);
+    work.product.resize(3 * products.functions(), 3 * products.functions());
+    products.for_pairs([&](Eigen::Index i, Eigen::Index j, const Eigen::Matrix3d& g) {
+      work.product.block<3, 3>(3 * i, 3 * j) = elasticity.block(g, i == j);
+    });
+    return;
+  }
+  gradient_products(space, a, interior, work);
+  elasticity.apply(work.product);
+}
 
 // Interior spans whose points lie alike and whose functions are alike have the same matrices: they are computed once.
 // Positions in the span are told apart to 1e-9 of its size, far above rounding and far below any difference of rules.
@@ -81,6 +112,9 @@ struct SpanClasses {
 };
 
 constexpr double same_place = 1e-9;
+// Generalised rules make thousands of classes. Only the matrices of the largest are kept: computing one anew is as fast
+// as fetching it from memory, and memory stays bounded.
+constexpr std::size_t most_classes = 64;
 
 SpanClasses classify(const SolutionSpace& space, InteriorPoints interior) {
   const TrimmedModel& model = space.model();
@@ -90,7 +124,7 @@ SpanClasses classify(const SolutionSpace& space, InteriorPoints interior) {
   std::vector<std::vector<std::int64_t>> keys(model.active.size());
   tbb::parallel_for(std::size_t{0}, keys.size(), [&](std::size_t s) {
     const auto a = static_cast<std::int64_t>(s);
-    if (static_cast<SpanState>(model.state[static_cast<std::size_t>(model.active[s])]) != SpanState::Interior) return;
+    if (!is_interior(model, a)) return;
     if (space.local_extension(a).size() > 0 || space.fictitious_share(a) > 0) return;
     const Index3 ijk = grid.span_index(model.active[s]);
     const Box3 box = grid.span_box(ijk);
@@ -107,22 +141,26 @@ SpanClasses classify(const SolutionSpace& space, InteriorPoints interior) {
       key.push_back(std::llround(weights[q] / (grid.span_volume() * same_place)));
     }
   });
-  SpanClasses classes;
-  classes.of_span.assign(keys.size(), -1);
   std::map<std::vector<std::int64_t>, std::int64_t> first_of; // first span of a key
-  std::vector<std::int64_t> class_of_first(keys.size(), -1);
+  std::vector<std::int64_t> first(keys.size(), -1), members(keys.size(), 0);
+  std::vector<std::int64_t> shared; // first spans of classes with more than one member
   for (std::size_t s = 0; s < keys.size(); ++s) {
     if (keys[s].empty()) continue;
-    const auto [it, is_new] = first_of.try_emplace(std::move(keys[s]), static_cast<std::int64_t>(s));
-    if (is_new) continue;
-    std::int64_t& number = class_of_first[static_cast<std::size_t>(it->second)];
-    if (number < 0) {
-      number = static_cast<std::int64_t>(classes.representative.size());
-      classes.representative.push_back(it->second);
-      classes.of_span[static_cast<std::size_t>(it->second)] = static_cast<std::int32_t>(number);
-    }
-    classes.of_span[s] = static_cast<std::int32_t>(number);
+    first[s] = first_of.try_emplace(std::move(keys[s]), static_cast<std::int64_t>(s)).first->second;
+    if (++members[static_cast<std::size_t>(first[s])] == 2) shared.push_back(first[s]);
   }
+  std::sort(shared.begin(), shared.end(), [&](std::int64_t x, std::int64_t y) {
+    const std::int64_t m = members[static_cast<std::size_t>(x)], n = members[static_cast<std::size_t>(y)];
+    return m != n ? m > n : x < y;
+  });
+  if (shared.size() > most_classes) shared.resize(most_classes);
+  SpanClasses classes;
+  classes.of_span.assign(keys.size(), -1);
+  classes.representative = shared;
+  for (std::size_t c = 0; c < shared.size(); ++c)
+    classes.of_span[static_cast<std::size_t>(shared[c])] = static_cast<std::int32_t>(c);
+  for (std::size_t s = 0; s < keys.size(); ++s)
+    if (first[s] >= 0) classes.of_span[s] = classes.of_span[static_cast<std::size_t>(first[s])];
   return classes;
 }
 
@@ -180,8 +218,7 @@ void span_stiffness(const SolutionSpace& space, std::int64_t a, const ElasticMat
                     Eigen::MatrixXd& block, InteriorPoints interior) {
   WorkSpace work;
   std::swap(work.shapes, shapes);
-  gradient_products(space, a, interior, work);
-  Elasticity(material).apply(work.product);
+  span_matrix(space, a, Elasticity(material), interior, work);
   std::swap(work.shapes, shapes);
   block = std::move(work.product);
 }
