@@ -3,6 +3,7 @@
 #include "format/model/bspline_basis.hpp"
 #include "format/model/errors.hpp"
 #include "format/model/span_state.hpp"
+#include "preprocessor/interior_rules.hpp"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -12,35 +13,10 @@
 
 namespace iga::prep {
 
-namespace {
-
-/// Tensor Gauss rule of a whole span, in spans.
-struct SpanGauss {
-  std::vector<Point3> points;
-  std::vector<double> weights;
-};
-
-SpanGauss span_gauss(const std::array<int, 3>& degree) {
-  std::array<const LineRule*, 3> g;
-  for (std::size_t d = 0; d < 3; ++d) g[d] = &gauss_legendre(degree[d] + 1);
-  SpanGauss rule;
-  for (std::size_t k = 0; k < g[2]->nodes.size(); ++k)
-    for (std::size_t j = 0; j < g[1]->nodes.size(); ++j)
-      for (std::size_t i = 0; i < g[0]->nodes.size(); ++i) {
-        rule.points.push_back({g[0]->nodes[i], g[1]->nodes[j], g[2]->nodes[k]});
-        rule.weights.push_back(g[0]->weights[i] * g[1]->weights[j] * g[2]->weights[k]);
-      }
-  return rule;
-}
-
-} // namespace
-
 void check_options(const QuadratureOptions& options) {
   for (int q : options.moment_degree)
     if (q < 1 || q > max_moment_degree)
       throw InputError(fmt::format("moment degree {} is not supported; choose 1 … {}", q, max_moment_degree));
-  if (options.interior_rule != "gauss")
-    throw InputError(fmt::format("interior rule '{}' is not known; choose gauss", options.interior_rule));
   if (options.trimmed_rule != "nnls" && options.trimmed_rule != "minimal")
     throw InputError(fmt::format("trimmed rule '{}' is not known; choose nnls or minimal", options.trimmed_rule));
 }
@@ -53,13 +29,13 @@ QuadratureResult build_quadrature(const SplineGrid& grid, const Trimming& trimmi
   return place_points(grid, trimming, options, std::move(rules));
 }
 
-QuadratureResult place_points(const SplineGrid& grid, const Trimming& trimming, const QuadratureOptions&,
+QuadratureResult place_points(const SplineGrid& grid, const Trimming& trimming, const QuadratureOptions& options,
                               TrimmedRules&& rules) {
   constexpr std::size_t spans_per_block = TrimmedRules::spans_per_block;
   const std::size_t num_active = trimming.active.size();
+  const InteriorRules interior_rules(grid, trimming, options.interior_rule);
   QuadratureResult result;
   IntegrationPoints& points = result.points;
-  const SpanGauss gauss = span_gauss(grid.degree());
   points.offsets.resize(num_active + 1, 0);
   points.residual.resize(num_active, 0);
   for (std::size_t b = 0; b < rules.num_blocks(); ++b) {
@@ -68,11 +44,11 @@ QuadratureResult place_points(const SplineGrid& grid, const Trimming& trimming, 
     for (std::size_t a = b * spans_per_block; a < std::min(num_active, (b + 1) * spans_per_block); ++a) {
       const bool interior = is_interior(trimming, a);
       if (!interior) points.residual[a] = block.residual[t];
-      points.offsets[a + 1] =
-          points.offsets[a] + static_cast<std::int64_t>(interior ? gauss.weights.size() : block.count[t++]);
+      points.offsets[a + 1] = points.offsets[a] + (interior ? interior_rules.count(a) : block.count[t++]);
     }
   }
   result.counts = rules.counts();
+  result.counts.interior_boxes = interior_rules.num_boxes();
   result.max_residual = num_active ? *std::max_element(points.residual.begin(), points.residual.end()) : 0;
 
   const Point3 h = grid.span_size();
@@ -85,15 +61,18 @@ QuadratureResult place_points(const SplineGrid& grid, const Trimming& trimming, 
     std::size_t own = 0;
     for (std::size_t a = b * spans_per_block; a < std::min(num_active, (b + 1) * spans_per_block); ++a) {
       const Box3 box = grid.span_box(grid.span_index(trimming.active[a]));
-      const bool interior = is_interior(trimming, a);
-      for (auto g = static_cast<std::size_t>(points.offsets[a]); g < static_cast<std::size_t>(points.offsets[a + 1]);
-           ++g) {
-        const std::size_t local = g - static_cast<std::size_t>(points.offsets[a]);
-        const double* t = interior ? gauss.points[local].data() : &block.points[3 * own];
-        points.weights[g] = span_volume * (interior ? gauss.weights[local] : block.weights[own]);
+      auto g = static_cast<std::size_t>(points.offsets[a]);
+      const auto put = [&](const double* t, double weight) {
+        points.weights[g] = span_volume * weight;
         for (std::size_t d = 0; d < 3; ++d)
           points.parameters[3 * g + d] = std::clamp(box.lower[d] + t[d] * h[d], box.lower[d], box.upper[d]);
-        if (!interior) ++own;
+        ++g;
+      };
+      if (is_interior(trimming, a)) {
+        interior_rules.for_points(a, [&](const Point3& t, double weight) { put(t.data(), weight); });
+      } else {
+        for (const auto last = static_cast<std::size_t>(points.offsets[a + 1]); g < last; ++own)
+          put(&block.points[3 * own], block.weights[own]);
       }
     }
     rules.release(b);

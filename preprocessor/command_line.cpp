@@ -19,6 +19,7 @@ const char* const examples = R"(Examples:
   igaprep part.stl -o part.h5 --degree 2 --span-size 10 --length-unit mm
   igaprep part.stl --box 0 0 0 350 190 300 --spans 35 19 30 --moment-degree 2p
   igaprep broken.stl --repair                            may change the shape where the surface is open or crosses itself
+  igaprep part.stl --quadrature ggq-reduced              fewest points inside at degree 2; ggq is exact, like gauss
   igaprep prep.toml --span-size 5 --force                settings from a file, flags override them
 
 One number for --spans counts along the longest side, with cubic spans; one for --degree, --span-size or --moment-degree
@@ -140,7 +141,7 @@ void add_options(CLI::App& app, Raw& raw, TypedSettings& t, CommandLine& line) {
       ->group(quadrature);
   app.add_option("--min-fraction", t.min_fraction, "Drop trimmed spans with a smaller volume fraction [0]")
       ->group(quadrature);
-  app.add_option("--quadrature", t.interior, "Rule of interior spans: gauss [gauss]")
+  app.add_option("--quadrature", t.interior, "Rule of interior spans: gauss, ggq, ggq-reduced or ggq-reduced2 [gauss]")
       ->type_name("RULE")
       ->group(quadrature);
   app.add_option("--trimmed", t.trimmed, "Rule of trimmed spans: nnls, or minimal: points taken out and moved [nnls]")

@@ -9,8 +9,8 @@
 namespace iga::prep {
 
 struct QuadratureOptions {
-  std::string interior_rule = "gauss";
-  std::string trimmed_rule = "nnls"; ///< nnls | minimal
+  std::string interior_rule = "gauss"; ///< gauss | ggq | ggq-reduced | ggq-reduced2
+  std::string trimmed_rule = "nnls";   ///< nnls | minimal
   std::array<int, 3> moment_degree{2, 2, 2};
   double tolerance = 1e-10; ///< on the relative moment residual of every span
   /// Of the minimal rule: at least as many points in a span as the rank of its own stiffness asks for (a span that the
@@ -41,11 +41,12 @@ struct ReductionCounts {
 
 /// How the spans got their rules; for the report.
 struct QuadratureCounts {
-  std::int64_t box_spans = 0;     ///< axis-aligned boxes: Gauss on the box
-  std::int64_t prism_spans = 0;   ///< prisms along an axis: 2-D fit × Gauss
-  std::int64_t fitted_spans = 0;  ///< 3-D moment fitting
-  std::int64_t refined_spans = 0; ///< fitted spans that needed more than the first set of candidates
-  std::int64_t kept_spans = 0;    ///< spans that keep their fitted rule because the reduction was interrupted
+  std::int64_t interior_boxes = 0; ///< boxes of interior spans that share a rule; 0 where each span has its own
+  std::int64_t box_spans = 0;      ///< axis-aligned boxes: Gauss on the box
+  std::int64_t prism_spans = 0;    ///< prisms along an axis: 2-D fit × Gauss
+  std::int64_t fitted_spans = 0;   ///< 3-D moment fitting
+  std::int64_t refined_spans = 0;  ///< fitted spans that needed more than the first set of candidates
+  std::int64_t kept_spans = 0;     ///< spans that keep their fitted rule because the reduction was interrupted
   ReductionCounts reduction;
   std::int64_t secured_spans = 0; ///< got a rule with more points, lest the part has a mechanism
 };

@@ -56,6 +56,7 @@ void add_run(io::JsonObject& json, const PrepReport& r) {
   json.add("bodies", r.bodies);
   json.add("cavities", r.cavities);
   json.add("trimming_volume_error", r.trimming_error);
+  json.add("interior_boxes", r.counts.interior_boxes);
   json.add("box_spans", r.counts.box_spans);
   json.add("prism_spans", r.counts.prism_spans);
   json.add("fitted_spans", r.counts.fitted_spans);
@@ -149,6 +150,11 @@ std::string human_report(const PrepReport& r) {
     line("dropped", fmt::format("{} spans, volume {:.3g}", r.quadrature.dropped_spans, r.quadrature.dropped_volume));
   line("points", fmt::format("{} ({} interior, {} trimmed), {} on the surface", r.points, r.points_interior,
                              r.points_trimmed, r.surface_points));
+  line("inside", r.counts.interior_boxes > 0
+                     ? fmt::format("{} on {} of spans, {:.3g} points a span", r.quadrature.interior_rule,
+                                   count(r.counts.interior_boxes, "box", "boxes"),
+                                   static_cast<double>(r.points_interior) / static_cast<double>(r.interior))
+                     : fmt::format("{} in every span", r.quadrature.interior_rule));
   line("rules",
        fmt::format("{} boxes, {} prisms, {} fitted ({} with more candidates), moment degree {} {} {}",
                    r.counts.box_spans, r.counts.prism_spans, r.counts.fitted_spans, r.counts.refined_spans,

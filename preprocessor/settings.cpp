@@ -1,6 +1,7 @@
 #include "preprocessor/settings.hpp"
 
 #include "format/model/errors.hpp"
+#include "preprocessor/generalised_gauss.hpp"
 
 #include <cmath>
 #include <fmt/format.h>
@@ -143,6 +144,7 @@ QuadratureOptions quadrature_options(const TypedSettings& typed, const std::arra
   QuadratureOptions quadrature;
   quadrature.interior_rule = typed.interior.value_or("gauss");
   quadrature.trimmed_rule = typed.trimmed.value_or("nnls");
+  for (const int degree : p) target_space(quadrature.interior_rule, degree);
   quadrature.moment_degree = moment_degrees(typed, p);
   quadrature.tolerance = typed.tolerance.value_or(quadrature.tolerance);
   // Below the lower bound lies rounding; above the upper one the masses of a model would be visibly off.
