@@ -84,6 +84,17 @@ ElasticMaterial anisotropic(const VoigtMatrix& C, double density) {
   return m;
 }
 
+VoigtMatrix voigt_matrix(const std::vector<double>& entries) {
+  VoigtMatrix matrix;
+  std::size_t next = 0;
+  for (int i = 0; i < 6; ++i)
+    for (int j = entries.size() == 21 ? i : 0; j < 6; ++j, ++next) {
+      matrix(i, j) = entries[next];
+      if (entries.size() == 21) matrix(j, i) = entries[next];
+    }
+  return matrix;
+}
+
 double von_mises(const Voigt& s) {
   const double a = s[0] - s[1], b = s[1] - s[2], c = s[2] - s[0];
   return std::sqrt((a * a + b * b + c * c) / 2 + 3 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]));

@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 
+#include <vector>
+
 namespace iga::solve {
 
 /// Strains and stresses as 6-vectors in the order xx yy zz xy yz zx (the frame of the part); shear strains are
@@ -28,6 +30,9 @@ struct ElasticMaterial {
 ElasticMaterial isotropic(double E, double nu, double density);
 /// @throws InputError unless C is symmetric (1e-9 of its largest entry) and positive definite and density > 0
 ElasticMaterial anisotropic(const VoigtMatrix& C, double density);
+
+/// The matrix of 21 entries (upper triangle by rows) or 36 (by rows) of a run file.
+VoigtMatrix voigt_matrix(const std::vector<double>& entries);
 
 double von_mises(const Voigt& stress);
 

@@ -37,17 +37,6 @@ template <class Names, class Value> const char* to_name(const Names& names, Valu
   return "";
 }
 
-VoigtMatrix elasticity(const std::vector<double>& C) {
-  VoigtMatrix matrix;
-  std::size_t next = 0;
-  for (int i = 0; i < 6; ++i)
-    for (int j = C.size() == 21 ? i : 0; j < 6; ++j, ++next) {
-      matrix(i, j) = C[next];
-      if (C.size() == 21) matrix(j, i) = C[next];
-    }
-  return matrix;
-}
-
 ElasticMaterial material_of(const TypedRun& typed, Analysis analysis) {
   if (!typed.rho && analysis != Analysis::Static)
     throw InputError("material: the density is missing; give --rho or rho in [material]");
@@ -59,7 +48,7 @@ ElasticMaterial material_of(const TypedRun& typed, Analysis analysis) {
   const double rho = typed.rho.value_or(1); // statics do not feel it
   if (typed.C) {
     if (typed.E || typed.nu) throw InputError("material: give either C or E and nu, not both");
-    return anisotropic(elasticity(*typed.C), rho);
+    return anisotropic(voigt_matrix(*typed.C), rho);
   }
   if (!typed.E || !typed.nu)
     throw InputError(

@@ -198,6 +198,22 @@ std::optional<std::vector<std::int64_t>> SettingsTable::integers(std::string_vie
   return values;
 }
 
+std::optional<std::vector<std::vector<double>>> SettingsTable::rows(std::string_view key, std::size_t columns) {
+  const std::string full = join(path_, key);
+  file_->known.insert(full);
+  const toml::node* node = node_of(node_, key);
+  if (!node) return std::nullopt;
+  const auto expected = fmt::format("a list of lists of {} finite numbers", columns);
+  if (!node->is_array()) refuse(file_->path, full, *node, expected);
+  std::vector<std::vector<double>> rows;
+  for (const toml::node& entry : *node->as_array()) {
+    auto row = entry.is_array() ? list_of<double>(entry, {columns}, finite_number) : std::nullopt;
+    if (!row) refuse(file_->path, full, entry, expected);
+    rows.push_back(std::move(*row));
+  }
+  return rows;
+}
+
 bool SettingsTable::holds_text(std::string_view key) const {
   const toml::node* node = node_of(node_, key);
   return node && node->is_string();

@@ -35,6 +35,8 @@ class SettingsTable {
   /// Lists of one of the given lengths; where 1 is among them, a bare number counts as a list of one.
   std::optional<std::vector<double>> numbers(std::string_view key, std::initializer_list<std::size_t> lengths);
   std::optional<std::vector<std::int64_t>> integers(std::string_view key, std::initializer_list<std::size_t> lengths);
+  /// A list of any length of lists of `columns` numbers: [[x, y], [x, y], …].
+  std::optional<std::vector<std::vector<double>>> rows(std::string_view key, std::size_t columns);
   /// True where the key holds a string: for keys that take either a word or numbers.
   bool holds_text(std::string_view key) const;
 

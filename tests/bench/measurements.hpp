@@ -23,4 +23,7 @@ void measure_fitting(BenchCase& part, int degree);
 /// Assembly of the solver's matrices: quadrature points per second; products with them: entries per second.
 void measure_solver(BenchCase& part, int degree);
 
+/// Stress of the laws of the explicit kernel: points per second, data in the first level of cache.
+void measure_laws();
+
 } // namespace iga::bench

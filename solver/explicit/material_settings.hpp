@@ -1,0 +1,28 @@
+// [material] of a run file of `igasolve explicit` → a material law.
+#pragma once
+
+#include "solver/explicit/laws/laws.hpp"
+
+#include <string>
+#include <vector>
+
+namespace iga::io {
+class SettingsTable;
+}
+
+namespace iga::solve {
+
+struct MaterialSettings {
+  Law law;
+  InversionPolicy inversion;         ///< what the kernel does with LawOutput::inverted; the law knows it too
+  std::string name;                  ///< as written: "neo-hookean", …
+  std::vector<std::string> warnings; ///< to be printed once
+};
+
+/// Reads a table such as [material] or [bodies.material]; solver/explicit/laws/README.md lists its keys. All keys of
+/// all laws are asked for, so that refuse_unknown_keys() on the root names what is misspelt; a key of another law is
+/// refused here.
+/// @throws InputError "file:line: key: found this, expected that"
+MaterialSettings read_material(io::SettingsTable& table);
+
+} // namespace iga::solve
