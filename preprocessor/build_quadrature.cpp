@@ -3,148 +3,52 @@
 #include "format/model/bspline_basis.hpp"
 #include "format/model/errors.hpp"
 #include "format/model/span_state.hpp"
-#include "preprocessor/moment_fitting.hpp"
+#include "preprocessor/interior_rules.hpp"
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 
 namespace iga::prep {
 
-namespace {
-
-// Active spans handled as one piece of work: long enough to keep the bookkeeping small, short enough to share evenly.
-constexpr std::size_t spans_per_block = 64;
-
-/// Rules of the trimmed spans of one block, in span order.
-struct Block {
-  std::vector<double> points, weights, residual; ///< as SpanRule; residual one a span
-  std::vector<std::uint32_t> count;              ///< points of each trimmed span
-  QuadratureCounts counts;
-  std::vector<std::int64_t> failed; ///< linear numbers of spans that missed the tolerance
-};
-
-bool is_interior(const Trimming& trimming, std::size_t active) {
-  return trimming.state[static_cast<std::size_t>(trimming.active[active])] ==
-         static_cast<std::uint8_t>(SpanState::Interior);
-}
-
-// Touched span that an active trimmed span is, for all active spans (unused for interior ones).
-std::vector<std::size_t> touched_of_active(const Trimming& trimming) {
-  std::vector<std::size_t> touched(trimming.active.size());
-  std::size_t t = 0;
-  for (std::size_t a = 0; a < touched.size(); ++a) {
-    if (is_interior(trimming, a)) continue;
-    while (trimming.pieces.spans[t] < trimming.active[a]) ++t;
-    touched[a] = t;
-  }
-  return touched;
-}
-
-Block fit_block(MomentFitter& fitter, const Trimming& trimming, const std::vector<std::size_t>& touched,
-                std::size_t first, std::size_t last, double tolerance) {
-  Block block;
-  for (std::size_t a = first; a < last; ++a) {
-    if (is_interior(trimming, a)) continue;
-    const SpanRule& rule = fitter.fit(touched[a]);
-    block.points.insert(block.points.end(), rule.points.begin(), rule.points.end());
-    block.weights.insert(block.weights.end(), rule.weights.begin(), rule.weights.end());
-    block.count.push_back(static_cast<std::uint32_t>(rule.weights.size()));
-    block.residual.push_back(rule.residual);
-    block.counts.box_spans += rule.shape == SpanShape::Box;
-    block.counts.prism_spans += rule.shape == SpanShape::Prism;
-    block.counts.fitted_spans += rule.shape == SpanShape::Free;
-    block.counts.refined_spans += rule.refined;
-    if (!(rule.residual <= tolerance) || rule.weights.empty()) block.failed.push_back(trimming.active[a]);
-  }
-  return block;
-}
-
-/// Tensor Gauss rule of a whole span, in spans.
-struct SpanGauss {
-  std::vector<Point3> points;
-  std::vector<double> weights;
-};
-
-SpanGauss span_gauss(const std::array<int, 3>& degree) {
-  std::array<const LineRule*, 3> g;
-  for (std::size_t d = 0; d < 3; ++d) g[d] = &gauss_legendre(degree[d] + 1);
-  SpanGauss rule;
-  for (std::size_t k = 0; k < g[2]->nodes.size(); ++k)
-    for (std::size_t j = 0; j < g[1]->nodes.size(); ++j)
-      for (std::size_t i = 0; i < g[0]->nodes.size(); ++i) {
-        rule.points.push_back({g[0]->nodes[i], g[1]->nodes[j], g[2]->nodes[k]});
-        rule.weights.push_back(g[0]->weights[i] * g[1]->weights[j] * g[2]->weights[k]);
-      }
-  return rule;
-}
-
-void report_failures(const std::vector<Block>& blocks, const SplineGrid& grid, const QuadratureOptions& options) {
-  std::vector<std::int64_t> failed;
-  for (const Block& block : blocks) failed.insert(failed.end(), block.failed.begin(), block.failed.end());
-  if (failed.empty()) return;
-  std::string list;
-  for (std::size_t f = 0; f < std::min<std::size_t>(failed.size(), 5); ++f) {
-    const Index3 ijk = grid.span_index(failed[f]);
-    list += fmt::format("{}({}, {}, {})", f ? ", " : "", ijk[0], ijk[1], ijk[2]);
-  }
-  throw NumericalError(fmt::format(
-      "{} trimmed span{} did not reach the moment residual {:.3g}: {}{}; choose another span "
-      "size or shift the grid, or raise --tolerance",
-      failed.size(), failed.size() == 1 ? "" : "s", options.tolerance, list, failed.size() > 5 ? ", …" : ""));
-}
-
-} // namespace
-
-QuadratureResult build_quadrature(const SplineGrid& grid, const Trimming& trimming, const QuadratureOptions& options) {
+void check_options(const QuadratureOptions& options) {
   for (int q : options.moment_degree)
     if (q < 1 || q > max_moment_degree)
       throw InputError(fmt::format("moment degree {} is not supported; choose 1 … {}", q, max_moment_degree));
-  if (options.interior_rule != "gauss")
-    throw InputError(fmt::format("interior rule '{}' is not known; choose gauss", options.interior_rule));
-  if (options.trimmed_rule != "nnls")
-    throw InputError(fmt::format("trimmed rule '{}' is not known; choose nnls", options.trimmed_rule));
+  if (options.trimmed_rule != "nnls" && options.trimmed_rule != "minimal")
+    throw InputError(fmt::format("trimmed rule '{}' is not known; choose nnls or minimal", options.trimmed_rule));
+}
 
-  const FarMoments far(grid, trimming, options.moment_degree);
-  const std::vector<std::size_t> touched = touched_of_active(trimming);
+QuadratureResult build_quadrature(const SplineGrid& grid, const Trimming& trimming, const QuadratureOptions& options) {
+  check_options(options);
+  TrimmedRules rules(grid, trimming, options);
+  if (options.trimmed_rule == "minimal") rules.reduce(options);
+  rules.secure(options);
+  return place_points(grid, trimming, options, std::move(rules));
+}
+
+QuadratureResult place_points(const SplineGrid& grid, const Trimming& trimming, const QuadratureOptions& options,
+                              TrimmedRules&& rules) {
+  constexpr std::size_t spans_per_block = TrimmedRules::spans_per_block;
   const std::size_t num_active = trimming.active.size();
-  std::vector<Block> blocks((num_active + spans_per_block - 1) / spans_per_block);
-  tbb::enumerable_thread_specific<MomentFitter> fitters(
-      [&] { return MomentFitter(grid, trimming, far, options.moment_degree, options.tolerance); });
-  std::atomic<std::int64_t> done{0};
-  tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
-    if (options.cancelled && options.cancelled()) throw Cancelled{};
-    const std::size_t first = b * spans_per_block, last = std::min(num_active, first + spans_per_block);
-    blocks[b] = fit_block(fitters.local(), trimming, touched, first, last, options.tolerance);
-    const std::int64_t now = done += static_cast<std::int64_t>(last - first);
-    if (options.progress) options.progress(now, static_cast<std::int64_t>(num_active));
-  });
-  report_failures(blocks, grid, options);
-
+  const InteriorRules interior_rules(grid, trimming, options.interior_rule);
   QuadratureResult result;
   IntegrationPoints& points = result.points;
-  const SpanGauss gauss = span_gauss(grid.degree());
   points.offsets.resize(num_active + 1, 0);
   points.residual.resize(num_active, 0);
-  for (std::size_t b = 0; b < blocks.size(); ++b) {
-    const Block& block = blocks[b];
+  for (std::size_t b = 0; b < rules.num_blocks(); ++b) {
+    const TrimmedRules::Block& block = rules.block(b);
     std::size_t t = 0;
     for (std::size_t a = b * spans_per_block; a < std::min(num_active, (b + 1) * spans_per_block); ++a) {
       const bool interior = is_interior(trimming, a);
       if (!interior) points.residual[a] = block.residual[t];
-      points.offsets[a + 1] =
-          points.offsets[a] + static_cast<std::int64_t>(interior ? gauss.weights.size() : block.count[t++]);
+      points.offsets[a + 1] = points.offsets[a] + (interior ? interior_rules.count(a) : block.count[t++]);
     }
-    result.counts.box_spans += block.counts.box_spans;
-    result.counts.prism_spans += block.counts.prism_spans;
-    result.counts.fitted_spans += block.counts.fitted_spans;
-    result.counts.refined_spans += block.counts.refined_spans;
   }
+  result.counts = rules.counts();
+  result.counts.interior_boxes = interior_rules.num_boxes();
   result.max_residual = num_active ? *std::max_element(points.residual.begin(), points.residual.end()) : 0;
 
   const Point3 h = grid.span_size();
@@ -152,23 +56,26 @@ QuadratureResult build_quadrature(const SplineGrid& grid, const Trimming& trimmi
   const auto total = static_cast<std::size_t>(points.offsets.back());
   points.parameters.resize(3 * total);
   points.weights.resize(total);
-  tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
-    Block& block = blocks[b];
+  tbb::parallel_for(std::size_t{0}, rules.num_blocks(), [&](std::size_t b) {
+    const TrimmedRules::Block& block = rules.block(b);
     std::size_t own = 0;
     for (std::size_t a = b * spans_per_block; a < std::min(num_active, (b + 1) * spans_per_block); ++a) {
       const Box3 box = grid.span_box(grid.span_index(trimming.active[a]));
-      const bool interior = is_interior(trimming, a);
-      for (auto g = static_cast<std::size_t>(points.offsets[a]); g < static_cast<std::size_t>(points.offsets[a + 1]);
-           ++g) {
-        const std::size_t local = g - static_cast<std::size_t>(points.offsets[a]);
-        const double* t = interior ? gauss.points[local].data() : &block.points[3 * own];
-        points.weights[g] = span_volume * (interior ? gauss.weights[local] : block.weights[own]);
+      auto g = static_cast<std::size_t>(points.offsets[a]);
+      const auto put = [&](const double* t, double weight) {
+        points.weights[g] = span_volume * weight;
         for (std::size_t d = 0; d < 3; ++d)
           points.parameters[3 * g + d] = std::clamp(box.lower[d] + t[d] * h[d], box.lower[d], box.upper[d]);
-        if (!interior) ++own;
+        ++g;
+      };
+      if (is_interior(trimming, a)) {
+        interior_rules.for_points(a, [&](const Point3& t, double weight) { put(t.data(), weight); });
+      } else {
+        for (const auto last = static_cast<std::size_t>(points.offsets[a + 1]); g < last; ++own)
+          put(&block.points[3 * own], block.weights[own]);
       }
     }
-    block = {};
+    rules.release(b);
   });
   return result;
 }

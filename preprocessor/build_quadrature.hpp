@@ -2,28 +2,9 @@
 #pragma once
 
 #include "format/model/trimmed_model.hpp"
-#include "preprocessor/trim.hpp"
-
-#include <functional>
+#include "preprocessor/trimmed_rules.hpp"
 
 namespace iga::prep {
-
-struct QuadratureOptions {
-  std::string interior_rule = "gauss";
-  std::string trimmed_rule = "nnls";
-  std::array<int, 3> moment_degree{2, 2, 2};
-  double tolerance = 1e-10; ///< on the relative moment residual of every span
-  std::function<void(std::int64_t done, std::int64_t total)> progress; ///< called from worker threads now and then
-  std::function<bool()> cancelled;                                     ///< polled; true stops the work with Cancelled
-};
-
-/// How the spans got their rules; for the report.
-struct QuadratureCounts {
-  std::int64_t box_spans = 0;     ///< axis-aligned boxes: Gauss on the box
-  std::int64_t prism_spans = 0;   ///< prisms along an axis: 2-D fit × Gauss
-  std::int64_t fitted_spans = 0;  ///< 3-D moment fitting
-  std::int64_t refined_spans = 0; ///< fitted spans that needed more than the first set of candidates
-};
 
 struct QuadratureResult {
   IntegrationPoints points;
@@ -31,8 +12,11 @@ struct QuadratureResult {
   QuadratureCounts counts;
 };
 
-struct Cancelled {};
+/// Points of all active spans from the rules of the trimmed ones, which are released on the way.
+QuadratureResult place_points(const SplineGrid& grid, const Trimming& trimming, const QuadratureOptions& options,
+                              TrimmedRules&& rules);
 
+/// Fits, reduces where the options say so, and places.
 /// @throws NumericalError naming the spans that did not reach the tolerance
 QuadratureResult build_quadrature(const SplineGrid& grid, const Trimming& trimming, const QuadratureOptions& options);
 

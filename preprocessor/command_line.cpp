@@ -19,16 +19,18 @@ const char* const examples = R"(Examples:
   igaprep part.stl -o part.h5 --degree 2 --span-size 10 --length-unit mm
   igaprep part.stl --box 0 0 0 350 190 300 --spans 35 19 30 --moment-degree 2p
   igaprep broken.stl --repair                            may change the shape where the surface is open or crosses itself
+  igaprep part.stl --quadrature ggq-reduced              fewest points inside at degree 2; ggq is exact, like gauss
   igaprep prep.toml --span-size 5 --force                settings from a file, flags override them
 
 One number for --spans counts along the longest side, with cubic spans; one for --degree, --span-size or --moment-degree
 holds in all directions. The settings file uses the flags' names with underscores: input, output, scale, length_unit,
 title; [surface] repair, wrap, wrap_alpha, wrap_offset, region_angle, accept_leaks; [grid] box, spans, span_size, degree,
 margin, rotation, rotate_axis_angle, optimise_offset; [trim] sliver_tolerance, min_fraction; [quadrature] interior
-(--quadrature), trimmed, moment_degree, tolerance. Paths in it are relative to its folder.
+(--quadrature), trimmed, moment_degree, tolerance, rank_bound. Paths in it are relative to its folder.
 
 Exit codes: 0 done, 1 fault of the program, 2 input, usage or file access, 3 a file breaks the schema, 4 a method did not
-reach its tolerance, 130 and 143 interrupted (no file is changed).)";
+reach its tolerance, 130 and 143 interrupted: no file is changed, unless the points were being reduced (--trimmed
+minimal); then the file is written with the rules there are.)";
 
 // Numbers that follow these flags are joined by commas to one word: a file name may then follow a list of open length,
 // and a negative number is not taken for a flag.
@@ -139,10 +141,15 @@ void add_options(CLI::App& app, Raw& raw, TypedSettings& t, CommandLine& line) {
       ->group(quadrature);
   app.add_option("--min-fraction", t.min_fraction, "Drop trimmed spans with a smaller volume fraction [0]")
       ->group(quadrature);
-  app.add_option("--quadrature", t.interior, "Rule of interior spans: gauss [gauss]")
+  app.add_option("--quadrature", t.interior, "Rule of interior spans: gauss, ggq, ggq-reduced or ggq-reduced2 [gauss]")
       ->type_name("RULE")
       ->group(quadrature);
-  app.add_option("--trimmed", t.trimmed, "Rule of trimmed spans: nnls [nnls]")->type_name("RULE")->group(quadrature);
+  app.add_option("--trimmed", t.trimmed, "Rule of trimmed spans: nnls, or minimal: points taken out and moved [nnls]")
+      ->type_name("RULE")
+      ->group(quadrature);
+  io::add_switch(app, "--rank-bound,!--no-rank-bound", t.rank_bound,
+                 "With minimal: keep in a span as many points as its own stiffness has rank")
+      ->group(quadrature);
   app.add_option("--moment-degree", raw.moment_degree, "Moments kept on trimmed spans: p, 2p or numbers [p]")
       ->type_name("Q [Q Q]")
       ->group(quadrature);

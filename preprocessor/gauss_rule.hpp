@@ -41,6 +41,13 @@ template <class T> void legendre(const T& x, int q, T* P) {
   for (int a = 1; a < q; ++a) P[a + 1] = ((2 * a + 1) * t * P[a] - a * P[a - 1]) * (Constant(1) / (a + 1));
 }
 
+/// Their slopes from their values: P'_{a+1} = P'_{a-1} + 2 (2a + 1) P_a.
+template <class T> void legendre_slopes(int q, const T* P, T* D) {
+  D[0] = T{};
+  if (q > 0) D[1] = T{} + 2.0;
+  for (int a = 1; a < q; ++a) D[a + 1] = D[a - 1] + 2.0 * (2 * a + 1) * P[a];
+}
+
 /// Their antiderivatives G_a(x) = ∫_0^x P_a; G_0 = x, and G_a(0) = G_a(1) = 0 for a >= 1.
 template <class T> void legendre_integrals(const T& x, int q, T* G) {
   T P[max_moment_degree + 2];

@@ -27,7 +27,7 @@ int run(int argc, const char* const* argv) {
     fmt::print("{}\n", prep::json_report(report));
   else if (!line->quiet)
     fmt::print("{}", prep::human_report(report));
-  return io::exit_done;
+  return report.interrupted_by == 0 ? io::exit_done : 128 + report.interrupted_by;
 }
 
 } // namespace

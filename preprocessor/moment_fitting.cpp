@@ -47,77 +47,45 @@ bool is_prism(const LocalSurface& surface, std::size_t axis) {
 
 MomentFitter::MomentFitter(const SplineGrid& grid, const Trimming& trimming, const FarMoments& far,
                            const std::array<int, 3>& degree, double tolerance)
-    : grid_(&grid), trimming_(&trimming), far_(&far), degree_(degree), tolerance_(tolerance) {
-  moments_.resize(static_cast<std::size_t>((degree[0] + 1) * (degree[1] + 1) * (degree[2] + 1)));
-}
+    : degree_(degree), tolerance_(tolerance), part_(grid, trimming, far, degree) {}
 
 const SpanRule& MomentFitter::fit(std::size_t touched) {
-  gather_local_surface(*grid_, *trimming_, touched, surface_);
-  span_moments(surface_, far_->find(touched), degree_, moments_.data());
-  caster_.attach(surface_);
-  rule_ = {std::move(rule_.points), std::move(rule_.weights), 0, SpanShape::Free, false, 0};
-  rule_.points.clear();
-  rule_.weights.clear();
-  if (moments_[0] >= 1 - box_defect) {
+  part_.open(touched);
+  rule_ = {std::move(rule_.points), std::move(rule_.weights), 0, SpanShape::Free, -1, false, 0};
+  if (part_.moments()[0] >= 1 - box_defect) {
     fit_box();
   } else {
     std::size_t axis = 0;
-    while (axis < 3 && !is_prism(surface_, axis)) ++axis;
+    while (axis < 3 && !is_prism(part_.surface(), axis)) ++axis;
     if (axis < 3) fit_prism(axis);
     if (axis == 3 || !(rule_.residual <= tolerance_)) fit_free();
   }
-  // Box units → spans.
-  const Box3& box = surface_.box;
-  for (std::size_t g = 0; g < rule_.weights.size(); ++g) {
-    rule_.weights[g] *= surface_.box_volume();
-    for (std::size_t d = 0; d < 3; ++d) {
-      double& x = rule_.points[3 * g + d];
-      x = std::clamp(box.lower[d] + x * (box.upper[d] - box.lower[d]), 0.0, 1.0);
-    }
-  }
+  part_.to_spans(rule_.points, rule_.weights);
   return rule_;
 }
 
 void MomentFitter::fit_box() {
   rule_.shape = SpanShape::Box;
-  std::array<const LineRule*, 3> g;
-  for (std::size_t d = 0; d < 3; ++d) g[d] = &gauss_legendre(product_points(degree_[d]));
-  for (std::size_t k = 0; k < g[2]->nodes.size(); ++k)
-    for (std::size_t j = 0; j < g[1]->nodes.size(); ++j)
-      for (std::size_t i = 0; i < g[0]->nodes.size(); ++i) {
-        rule_.points.insert(rule_.points.end(), {g[0]->nodes[i], g[1]->nodes[j], g[2]->nodes[k]});
-        rule_.weights.push_back(g[0]->weights[i] * g[1]->weights[j] * g[2]->weights[k] * moments_[0]);
-      }
-  finish_residual();
+  box_rule({product_points(degree_[0]), product_points(degree_[1]), product_points(degree_[2])}, part_.moments()[0],
+           rule_.points, rule_.weights);
+  rule_.residual = part_.residual(rule_.points, rule_.weights);
 }
 
 void MomentFitter::fit_prism(std::size_t axis) {
   rule_.shape = SpanShape::Prism;
-  std::array<int, 3> plane = degree_;
-  plane[axis] = 0;
-  plane_moments_.clear();
-  for (int c = 0; c <= plane[2]; ++c)
-    for (int b = 0; b <= plane[1]; ++b)
-      for (int a = 0; a <= plane[0]; ++a)
-        plane_moments_.push_back(moments_[static_cast<std::size_t>(a + (degree_[0] + 1) * (b + (degree_[1] + 1) * c))]);
-  fit_nnls(plane, plane_moments_, static_cast<int>(axis));
-  const LineRule& g = gauss_legendre(product_points(degree_[axis]));
-  for (std::size_t i = 0; i < g.nodes.size(); ++i)
-    for (std::size_t q = 0; q < fit_weights_.size(); ++q) {
-      Point3 x{fit_points_[3 * q], fit_points_[3 * q + 1], fit_points_[3 * q + 2]};
-      x[axis] = g.nodes[i];
-      rule_.points.insert(rule_.points.end(), x.begin(), x.end());
-      rule_.weights.push_back(fit_weights_[q] * g.weights[i]);
-    }
-  finish_residual();
+  rule_.axis = static_cast<int>(axis);
+  fit_nnls(part_.plane_degree(axis), part_.plane_moments(axis), rule_.axis);
+  prism_rule(axis, product_points(degree_[axis]), fit_points_, fit_weights_, rule_.points, rule_.weights);
+  rule_.residual = part_.residual(rule_.points, rule_.weights);
 }
 
 void MomentFitter::fit_free() {
   rule_.shape = SpanShape::Free;
-  fit_nnls(degree_, moments_, -1);
+  rule_.axis = -1;
+  fit_nnls(degree_, part_.moments(), -1);
   rule_.points = fit_points_;
   rule_.weights = fit_weights_;
-  finish_residual();
+  rule_.residual = part_.residual(rule_.points, rule_.weights);
 }
 
 namespace {
@@ -143,14 +111,14 @@ void shoot(LineCaster& caster, std::size_t axis, int num_lines, int points_per_l
 void MomentFitter::shoot_first(int prism_axis, std::size_t num_moments) {
   const int q = std::max({degree_[0], degree_[1], degree_[2]});
   const bool plane = prism_axis >= 0;
-  std::size_t axis = caster_.main_axis();
+  std::size_t axis = part_.caster().main_axis();
   if (static_cast<int>(axis) == prism_axis) axis = other_axis(axis);
   for (int n = plane ? 2 * q + 3 : q + 2; n <= 8 * (q + 2); n += n / 2) {
     new_points_.clear();
-    shoot(caster_, axis, n, q + 2, 2, prism_axis, new_points_);
+    shoot(part_.caster(), axis, n, q + 2, 2, prism_axis, new_points_);
     if (new_points_.size() >= 3 * 2 * num_moments) return;
   }
-  if (!plane) caster_.append_inward_candidates(2 * q, 2 * num_moments, 3, new_points_);
+  if (!plane) part_.caster().append_inward_candidates(2 * q, 2 * num_moments, 3, new_points_);
 }
 
 // Denser candidates along all axes, and into the solid from its surface; each level has its own lines.
@@ -159,9 +127,10 @@ void MomentFitter::shoot_more(int level, int prism_axis) {
   new_points_.clear();
   for (int d = 0; d < 3; ++d)
     if (d != prism_axis)
-      shoot(caster_, static_cast<std::size_t>(d), (prism_axis >= 0 ? 4 : 1) * (q + 1) + (q + 1) * level + d,
+      shoot(part_.caster(), static_cast<std::size_t>(d), (prism_axis >= 0 ? 4 : 1) * (q + 1) + (q + 1) * level + d,
             q + 2 + level, 2 + level, prism_axis, new_points_);
-  if (prism_axis < 0) caster_.append_inward_candidates(2 * q + 2 * level, 2 * moments_.size(), 2 + level, new_points_);
+  if (prism_axis < 0)
+    part_.caster().append_inward_candidates(2 * q + 2 * level, 2 * part_.moments().size(), 2 + level, new_points_);
 }
 
 // Values of the tensor Legendre basis at points: one column of m entries a point.
@@ -289,19 +258,6 @@ void MomentFitter::fit_nnls_whitened(const std::array<int, 3>& degree, std::span
     }
     nnls_.add_columns(std::span(added.data(), static_cast<std::size_t>(added.size())), order.size());
   }
-}
-
-void MomentFitter::finish_residual() {
-  evaluate_columns(degree_, rule_.points);
-  const std::size_t m = moments_.size();
-  double difference = 0, norm = 0;
-  for (std::size_t k = 0; k < m; ++k) {
-    double s = -moments_[k];
-    for (std::size_t g = 0; g < rule_.weights.size(); ++g) s += rule_.weights[g] * columns_[g * m + k];
-    difference += s * s;
-    norm += moments_[k] * moments_[k];
-  }
-  rule_.residual = norm > 0 ? std::sqrt(difference / norm) : 0;
 }
 
 } // namespace iga::prep

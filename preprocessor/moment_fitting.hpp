@@ -2,8 +2,8 @@
 // non-negative least squares over candidate points inside the solid.
 #pragma once
 
-#include "preprocessor/candidates.hpp"
 #include "preprocessor/nnls.hpp"
+#include "preprocessor/span_part.hpp"
 
 #include <Eigen/Cholesky>
 
@@ -17,6 +17,7 @@ struct SpanRule {
   std::vector<double> weights; ///< (n); in span volumes
   double residual = 0; ///< ‖A w - b‖ / ‖b‖ over all moments in box units, recomputed from points and weights
   SpanShape shape = SpanShape::Free;
+  int axis = -1; ///< of a prism, whose points are those of a plane rule times Gauss points along it, plane fastest
   bool refined = false; ///< needed candidates beyond the first set
   int nnls_steps = 0;
 };
@@ -40,24 +41,18 @@ class MomentFitter {
   void shoot_first(int prism_axis, std::size_t num_moments);
   void shoot_more(int level, int prism_axis);
   void evaluate_columns(const std::array<int, 3>& degree, std::span<const double> points);
-  void finish_residual();
 
-  const SplineGrid* grid_;
-  const Trimming* trimming_;
-  const FarMoments* far_;
   std::array<int, 3> degree_;
   double tolerance_;
 
-  LocalSurface surface_;
-  LineCaster caster_;
+  SpanPart part_;
   Nnls nnls_;
   SpanRule rule_;
-  std::vector<double> moments_;                  // all moments of the span, box units
   std::vector<double> fit_points_, fit_weights_; // of the last NNLS, box units
   Eigen::MatrixXd gram_;
   Eigen::LLT<Eigen::MatrixXd> cholesky_;
   std::vector<double> rhs_; // moments, or their orthonormalised form
-  std::vector<double> candidates_, new_points_, columns_, plane_moments_;
+  std::vector<double> candidates_, new_points_, columns_;
 };
 
 /// Gauss points per direction of a product rule for moments up to degree q: just enough to be exact, at least two so

@@ -4,6 +4,7 @@
 #include "format/io/sha256.hpp"
 #include "format/io/trimmed_model_io.hpp"
 #include "format/model/errors.hpp"
+#include "preprocessor/build_quadrature.hpp"
 #include "preprocessor/gates.hpp"
 #include "preprocessor/optimise_offset.hpp"
 #include "preprocessor/read_mesh.hpp"
@@ -134,13 +135,10 @@ SplineGrid choose_grid(const Settings& s, const TriangleMesh& mesh, io::Progress
   return place_grid(*choice.frame, search.offset);
 }
 
-QuadratureResult make_points(const Settings& s, const SplineGrid& grid, const Trimming& trimming, bool repaired,
-                             io::Progress& progress) {
-  QuadratureOptions options = s.quadrature;
-  options.progress = [&](std::int64_t done, std::int64_t total) { progress.update(done, total); };
-  options.cancelled = [] { return io::pending_signal() != 0; };
+TrimmedRules fit_rules(const QuadratureOptions& options, const SplineGrid& grid, const Trimming& trimming,
+                       bool repaired) {
   try {
-    return build_quadrature(grid, trimming, options);
+    return TrimmedRules(grid, trimming, options);
   } catch (const Cancelled&) {
     throw io::Interrupted{};
   } catch (const NumericalError& error) {
@@ -149,6 +147,17 @@ QuadratureResult make_points(const Settings& s, const SplineGrid& grid, const Tr
                                      "facets on top of each other, --wrap makes a clean surface instead.",
                                      error.what()));
   }
+}
+
+// An interrupt ends the reduction, not the run: the rules there are go into the file.
+void reduce_rules(TrimmedRules& rules, const QuadratureOptions& options, PrepReport& report) {
+  rules.reduce(options);
+  if (rules.counts().kept_spans == 0) return;
+  report.interrupted_by = io::take_pending_signal();
+  report.warnings.push_back(fmt::format(
+      "the reduction of points was interrupted: {} trimmed spans keep their nnls rule (more points, the same "
+      "exactness); run again with --force for all of them",
+      rules.counts().kept_spans));
 }
 
 // What the file that stands there already says of itself; reading it checks that it is sound.
@@ -172,7 +181,8 @@ Provenance provenance_of(const Settings& s, const RunInfo& run, const std::strin
   p.version = IGA_VERSION;
   p.command_line = run.command_line;
   p.inputs = {{s.input.filename().string(), input_sha256}};
-  p.settings_sha256 = settings_hash(s);
+  // A reduction that was cut short must not pass for the whole of it.
+  p.settings_sha256 = report.interrupted_by == 0 ? settings_hash(s) : io::sha256_text(settings_hash(s) + "interrupted");
   p.created = now_utc();
   p.timings = stages.timings;
   p.findings = report.findings;
@@ -201,8 +211,15 @@ PrepReport make_model(const Settings& s, const RunInfo& run, const PreparedSurfa
       stages.run("winding", [&] { return check_winding(model.grid, surface.mesh, trimming, s.trim.sliver_tolerance); });
   append(report.warnings, judge_winding(winding, trimming, s.surface.accept_leaks));
 
+  QuadratureOptions options = s.quadrature;
+  options.progress = [&](std::int64_t done, std::int64_t total) { progress.update(done, total); };
+  options.cancelled = [] { return io::pending_signal() != 0; };
+  TrimmedRules rules =
+      stages.run("quadrature", [&] { return fit_rules(options, model.grid, trimming, surface.shape_changed); });
+  if (options.trimmed_rule == "minimal") stages.run("reduction", [&] { reduce_rules(rules, options, report); });
+  stages.run("rigidity", [&] { rules.secure(options); });
   QuadratureResult quadrature =
-      stages.run("quadrature", [&] { return make_points(s, model.grid, trimming, surface.shape_changed, progress); });
+      stages.run("points", [&] { return place_points(model.grid, trimming, options, std::move(rules)); });
   return_free_memory();
   report.counts = quadrature.counts;
   model.points = std::move(quadrature.points);

@@ -56,10 +56,17 @@ void add_run(io::JsonObject& json, const PrepReport& r) {
   json.add("bodies", r.bodies);
   json.add("cavities", r.cavities);
   json.add("trimming_volume_error", r.trimming_error);
+  json.add("interior_boxes", r.counts.interior_boxes);
   json.add("box_spans", r.counts.box_spans);
   json.add("prism_spans", r.counts.prism_spans);
   json.add("fitted_spans", r.counts.fitted_spans);
   json.add("refined_spans", r.counts.refined_spans);
+  json.add("removed_by_newton", r.counts.reduction.newton);
+  json.add("removed_by_bounded_descent", r.counts.reduction.bounded);
+  json.add("stalled_spans", r.counts.reduction.stalls);
+  json.add("unreduced_spans", r.counts.reduction.unchanged);
+  json.add("secured_spans", r.counts.secured_spans);
+  json.add("kept_spans", r.counts.kept_spans);
   if (r.offset) {
     io::JsonObject offset;
     offset.add("light_before", r.offset->light_before);
@@ -143,6 +150,11 @@ std::string human_report(const PrepReport& r) {
     line("dropped", fmt::format("{} spans, volume {:.3g}", r.quadrature.dropped_spans, r.quadrature.dropped_volume));
   line("points", fmt::format("{} ({} interior, {} trimmed), {} on the surface", r.points, r.points_interior,
                              r.points_trimmed, r.surface_points));
+  line("inside", r.counts.interior_boxes > 0
+                     ? fmt::format("{} on {} of spans, {:.3g} points a span", r.quadrature.interior_rule,
+                                   count(r.counts.interior_boxes, "box", "boxes"),
+                                   static_cast<double>(r.points_interior) / static_cast<double>(r.interior))
+                     : fmt::format("{} in every span", r.quadrature.interior_rule));
   line("rules",
        fmt::format("{} boxes, {} prisms, {} fitted ({} with more candidates), moment degree {} {} {}",
                    r.counts.box_spans, r.counts.prism_spans, r.counts.fitted_spans, r.counts.refined_spans,

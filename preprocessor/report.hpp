@@ -2,7 +2,7 @@
 #pragma once
 
 #include "format/model/trimmed_model.hpp"
-#include "preprocessor/build_quadrature.hpp"
+#include "preprocessor/quadrature_options.hpp"
 
 #include <optional>
 #include <string>
@@ -21,7 +21,8 @@ struct OffsetGain {
 /// Everything the report says, collected by the pipeline.
 struct PrepReport {
   std::string input, output;
-  bool reused = false; ///< a matching file stood there already: what only the run itself knows is left out
+  int interrupted_by = 0; ///< signal that ended the reduction of points early, 0 for none
+  bool reused = false;    ///< a matching file stood there already: what only the run itself knows is left out
   std::string format, length_unit;
   Box3 part_box; ///< position, length
   std::int64_t triangles = 0;

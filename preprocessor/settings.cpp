@@ -1,6 +1,7 @@
 #include "preprocessor/settings.hpp"
 
 #include "format/model/errors.hpp"
+#include "preprocessor/generalised_gauss.hpp"
 
 #include <cmath>
 #include <fmt/format.h>
@@ -143,17 +144,18 @@ QuadratureOptions quadrature_options(const TypedSettings& typed, const std::arra
   QuadratureOptions quadrature;
   quadrature.interior_rule = typed.interior.value_or("gauss");
   quadrature.trimmed_rule = typed.trimmed.value_or("nnls");
-  if (quadrature.interior_rule != "gauss")
-    throw InputError(fmt::format("quadrature interior = \"{}\": this version has the rule gauss for interior spans",
-                                 quadrature.interior_rule));
-  if (quadrature.trimmed_rule != "nnls")
-    throw InputError(fmt::format("quadrature trimmed = \"{}\": this version has the rule nnls for trimmed spans",
-                                 quadrature.trimmed_rule));
+  for (const int degree : p) target_space(quadrature.interior_rule, degree);
   quadrature.moment_degree = moment_degrees(typed, p);
   quadrature.tolerance = typed.tolerance.value_or(quadrature.tolerance);
   // Below the lower bound lies rounding; above the upper one the masses of a model would be visibly off.
   require(quadrature.tolerance >= 1e-14 && quadrature.tolerance <= 1e-4, "tolerance", quadrature.tolerance,
           "the bound on the moment residual lies between 1e-14 and 1e-4");
+  quadrature.rank_bound = typed.rank_bound.value_or(false);
+  if (quadrature.rank_bound && quadrature.trimmed_rule != "minimal")
+    throw InputError(fmt::format("rank_bound limits the reduction of trimmed = \"minimal\", and trimmed is \"{}\": "
+                                 "leave one out",
+                                 quadrature.trimmed_rule));
+  check_options(quadrature);
   return quadrature;
 }
 
@@ -175,7 +177,7 @@ TypedSettings override_settings(TypedSettings base, const TypedSettings& over) {
   take(&TypedSettings::margin), take(&TypedSettings::rotation), take(&TypedSettings::rotate_axis_angle);
   take(&TypedSettings::optimise_offset), take(&TypedSettings::sliver_tolerance), take(&TypedSettings::min_fraction);
   take(&TypedSettings::interior), take(&TypedSettings::trimmed), take(&TypedSettings::moment_degree);
-  take(&TypedSettings::tolerance);
+  take(&TypedSettings::tolerance), take(&TypedSettings::rank_bound);
   return base;
 }
 
@@ -242,6 +244,7 @@ std::string canonical_text(const Settings& s) {
   line("trimmed", s.quadrature.trimmed_rule);
   list("moment_degree", s.quadrature.moment_degree);
   line("tolerance", s.quadrature.tolerance);
+  line("rank_bound", s.quadrature.rank_bound);
   return text;
 }
 

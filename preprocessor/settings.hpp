@@ -1,9 +1,9 @@
 // Settings of igaprep: as typed (settings file and flags) and, after validation, complete and ready for the stages.
 #pragma once
 
-#include "preprocessor/build_quadrature.hpp"
 #include "preprocessor/make_grid.hpp"
 #include "preprocessor/prepare_surface.hpp"
+#include "preprocessor/quadrature_options.hpp"
 #include "preprocessor/trim.hpp"
 
 #include <filesystem>
@@ -33,6 +33,7 @@ struct TypedSettings {
   std::optional<std::string> interior, trimmed;
   std::optional<std::variant<std::string, std::vector<std::int64_t>>> moment_degree; ///< "p", "2p", 1 or 3 numbers
   std::optional<double> tolerance;
+  std::optional<bool> rank_bound;
 };
 
 /// Complete settings; every value is in its range.

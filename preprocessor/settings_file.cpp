@@ -44,6 +44,7 @@ TypedSettings read_settings_file(const std::filesystem::path& file) {
   else if (const auto degrees = quadrature.integers("moment_degree", {1, 3}))
     s.moment_degree = *degrees;
   s.tolerance = quadrature.number("tolerance");
+  s.rank_bound = quadrature.boolean("rank_bound");
 
   root.refuse_unknown_keys();
   return s;

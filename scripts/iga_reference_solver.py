@@ -68,11 +68,27 @@ def strain_operator(gradients):
     return B.reshape(n, 6, 3 * m)
 
 
+def gauss_points(model, span):
+    """Parameters (n, 3) and weights (n) of the Gauss rule with p + 1 points a direction on a whole span."""
+    rules = []
+    for d, p in enumerate(model.degree):
+        x, w = np.polynomial.legendre.leggauss(p + 1)
+        low, high = model.knots[d][span[d] + p], model.knots[d][span[d] + p + 1]
+        rules.append((low + (x + 1) / 2 * (high - low), w / 2 * (high - low)))
+    u = np.stack(np.meshgrid(*(x for x, _ in rules), indexing="ij"), 3).reshape(-1, 3)
+    return u, np.einsum("i,j,k->ijk", *(w for _, w in rules)).ravel()
+
+
 def assemble(model, C, rho):
-    """Sparse K (3 n, 3 n) and M (n, n), the consistent mass of one component; n active functions in the file's order."""
+    """Sparse K (3 n, 3 n) and M (n, n), the consistent mass of one component; n active functions in the file's order.
+
+    Rules on runs of interior spans need not integrate products of functions: there the mass takes Gauss points.
+    """
     active = model["/functions/active"]
     offsets, weights, parameters = (model["/quadrature/" + name] for name in ("offsets", "weights", "parameters"))
-    spans = model.split_numbers(model["/spans/active"], model.spans)
+    numbers_of_spans, state = model["/spans/active"], np.asarray(model["/spans/state"]).ravel()
+    spans = model.split_numbers(numbers_of_spans, model.spans)
+    runs = model.attributes["/quadrature"]["interior_rule"] != "gauss"
     numbers = np.searchsorted(active, model.numbers_at(spans))  # (spans, m)
     n, m = len(active), numbers.shape[1]
     K, M = sparse.csr_matrix((3 * n, 3 * n)), sparse.csr_matrix((n, n))
@@ -82,13 +98,14 @@ def assemble(model, C, rho):
         k, mass = np.zeros((len(block), m, 3, m, 3)), np.zeros((len(block), m, m))
         for row, span in enumerate(block):
             points = slice(offsets[span], offsets[span + 1])
-            count = offsets[span + 1] - offsets[span]
-            if count == 0:
-                continue
-            owners, u, w = np.repeat(spans[span:span + 1], count, axis=0), parameters[points], weights[points]
-            N = model.functions_at(owners, u)[1]
+            u, w = parameters[points], weights[points]
+            owners = np.repeat(spans[span:span + 1], len(w), axis=0)
             B = strain_operator(model.gradients_at(owners, u))
             k[row] = (B.reshape(-1, 3 * m).T @ (w[:, None, None] * (C @ B)).reshape(-1, 3 * m)).reshape(m, 3, m, 3)
+            if runs and state[numbers_of_spans[span]] == 1:
+                u, w = gauss_points(model, spans[span])
+                owners = np.repeat(spans[span:span + 1], len(w), axis=0)
+            N = model.functions_at(owners, u)[1]
             mass[row] = N.T @ (rho * w[:, None] * N)
         rows = numbers[block.start:block.stop]
         pairs, place = np.unique(rows[:, :, None] * n + rows[:, None, :], return_inverse=True)

@@ -1,5 +1,8 @@
 #include "solver/assemble.hpp"
 
+#include "solver/tensor_gradients.hpp"
+
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -14,12 +17,18 @@ namespace {
 struct WorkSpace {
   SpanShapes shapes;
   SpanPointStorage points;
+  TensorPoints tensor;
   Eigen::MatrixXd weighted, product, block;
 };
 
+bool is_interior(const TrimmedModel& model, std::int64_t a) {
+  return static_cast<SpanState>(model.state[static_cast<std::size_t>(model.active[static_cast<std::size_t>(a)])]) ==
+         SpanState::Interior;
+}
+
 // G_ij = Σ_q w ∇N_i ∇N_jᵀ: all that a span's stiffness needs of its points, whatever the material. Lower triangle.
-void gradient_products(const SolutionSpace& space, std::int64_t a, WorkSpace& work) {
-  const auto [parameters, weights] = span_points(space, a, work.points);
+void gradient_products(const SolutionSpace& space, std::int64_t a, InteriorPoints interior, WorkSpace& work) {
+  const auto [parameters, weights] = span_points(space, a, work.points, interior);
   evaluate(space, a, parameters, Shapes::Gradients, work.shapes);
   const Eigen::Map<const Eigen::ArrayXd> w(weights.data(), static_cast<Eigen::Index>(weights.size()));
   work.weighted = work.shapes.gradients.array().colwise() * w.sqrt();
@@ -54,17 +63,22 @@ class Elasticity {
           g(0, 2) = g(2, 0);
           g(1, 2) = g(2, 1);
         }
-        Eigen::Matrix3d k;
-        if (is_isotropic_) {
-          k = lambda_ * g + mu_ * g.transpose();
-          k.diagonal().array() += mu_ * g.trace();
-        } else {
-          for (int a = 0; a < 3; ++a)
-            for (int b = 0; b < 3; ++b) k(a, b) = C_[a][b].cwiseProduct(g).sum();
-        }
-        if (i == j) k.triangularView<Eigen::StrictlyUpper>() = k.transpose().eval();
-        G.block<3, 3>(3 * i, 3 * j) = k;
+        G.block<3, 3>(3 * i, 3 * j) = block(g, i == j);
       }
+  }
+
+  // K_ij from a whole G_ij.
+  Eigen::Matrix3d block(const Eigen::Matrix3d& g, bool on_diagonal) const {
+    Eigen::Matrix3d k;
+    if (is_isotropic_) {
+      k = lambda_ * g + mu_ * g.transpose();
+      k.diagonal().array() += mu_ * g.trace();
+    } else {
+      for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < 3; ++b) k(a, b) = C_[a][b].cwiseProduct(g).sum();
+    }
+    if (on_diagonal) k.triangularView<Eigen::StrictlyUpper>() = k.transpose().eval();
+    return k;
   }
 
  private:
@@ -72,6 +86,23 @@ class Elasticity {
   double lambda_ = 0, mu_ = 0;
   bool is_isotropic_ = false;
 };
+
+// work.product: the stiffness of a span, lower triangle. Interior spans' tensor points take the short way.
+void span_matrix(const SolutionSpace& space, std::int64_t a, const Elasticity& elasticity, InteriorPoints interior,
+                 WorkSpace& work) {
+  const TrimmedModel& model = space.model();
+  if (is_interior(model, a) && space.local_extension(a).size() == 0 &&
+      as_tensor(span_points(space, a, work.points, interior), work.tensor)) {
+    const GradientProducts products(model.grid, model.active[static_cast<std::size_t>(a)], work.tensor);
+    work.product.resize(3 * products.functions(), 3 * products.functions());
+    products.for_pairs([&](Eigen::Index i, Eigen::Index j, const Eigen::Matrix3d& g) {
+      work.product.block<3, 3>(3 * i, 3 * j) = elasticity.block(g, i == j);
+    });
+    return;
+  }
+  gradient_products(space, a, interior, work);
+  elasticity.apply(work.product);
+}
 
 // Interior spans whose points lie alike and whose functions are alike have the same matrices: they are computed once.
 // Positions in the span are told apart to 1e-9 of its size, far above rounding and far below any difference of rules.
@@ -81,8 +112,11 @@ struct SpanClasses {
 };
 
 constexpr double same_place = 1e-9;
+// Generalised rules make thousands of classes. Only the matrices of the largest are kept: computing one anew is as fast
+// as fetching it from memory, and memory stays bounded.
+constexpr std::size_t most_classes = 64;
 
-SpanClasses classify(const SolutionSpace& space) {
+SpanClasses classify(const SolutionSpace& space, InteriorPoints interior) {
   const TrimmedModel& model = space.model();
   const SplineGrid& grid = model.grid;
   const Index3 extent = grid.spans();
@@ -90,14 +124,15 @@ SpanClasses classify(const SolutionSpace& space) {
   std::vector<std::vector<std::int64_t>> keys(model.active.size());
   tbb::parallel_for(std::size_t{0}, keys.size(), [&](std::size_t s) {
     const auto a = static_cast<std::int64_t>(s);
-    if (static_cast<SpanState>(model.state[static_cast<std::size_t>(model.active[s])]) != SpanState::Interior) return;
-    if (space.local_extension(a).size() > 0) return;
+    if (!is_interior(model, a)) return;
+    if (space.local_extension(a).size() > 0 || space.fictitious_share(a) > 0) return;
     const Index3 ijk = grid.span_index(model.active[s]);
     const Box3 box = grid.span_box(ijk);
     auto& key = keys[s];
     for (std::size_t d = 0; d < 3; ++d) // distance from the ends of the grid, as far as the functions feel it
       key.push_back(std::min<std::int64_t>(ijk[d], p[d] - 1) * 16 +
                     std::min<std::int64_t>(extent[d] - 1 - ijk[d], p[d] - 1));
+    if (replaces_points(model, a, interior)) return; // the same points in all of them
     const auto parameters = span_parameters(model, a), weights = span_weights(model, a);
     for (std::size_t q = 0; q < weights.size(); ++q) {
       for (std::size_t d = 0; d < 3; ++d)
@@ -106,29 +141,34 @@ SpanClasses classify(const SolutionSpace& space) {
       key.push_back(std::llround(weights[q] / (grid.span_volume() * same_place)));
     }
   });
-  SpanClasses classes;
-  classes.of_span.assign(keys.size(), -1);
   std::map<std::vector<std::int64_t>, std::int64_t> first_of; // first span of a key
-  std::vector<std::int64_t> class_of_first(keys.size(), -1);
+  std::vector<std::int64_t> first(keys.size(), -1), members(keys.size(), 0);
+  std::vector<std::int64_t> shared; // first spans of classes with more than one member
   for (std::size_t s = 0; s < keys.size(); ++s) {
     if (keys[s].empty()) continue;
-    const auto [it, is_new] = first_of.try_emplace(std::move(keys[s]), static_cast<std::int64_t>(s));
-    if (is_new) continue;
-    std::int64_t& number = class_of_first[static_cast<std::size_t>(it->second)];
-    if (number < 0) {
-      number = static_cast<std::int64_t>(classes.representative.size());
-      classes.representative.push_back(it->second);
-      classes.of_span[static_cast<std::size_t>(it->second)] = static_cast<std::int32_t>(number);
-    }
-    classes.of_span[s] = static_cast<std::int32_t>(number);
+    first[s] = first_of.try_emplace(std::move(keys[s]), static_cast<std::int64_t>(s)).first->second;
+    if (++members[static_cast<std::size_t>(first[s])] == 2) shared.push_back(first[s]);
   }
+  std::sort(shared.begin(), shared.end(), [&](std::int64_t x, std::int64_t y) {
+    const std::int64_t m = members[static_cast<std::size_t>(x)], n = members[static_cast<std::size_t>(y)];
+    return m != n ? m > n : x < y;
+  });
+  if (shared.size() > most_classes) shared.resize(most_classes);
+  SpanClasses classes;
+  classes.of_span.assign(keys.size(), -1);
+  classes.representative = shared;
+  for (std::size_t c = 0; c < shared.size(); ++c)
+    classes.of_span[static_cast<std::size_t>(shared[c])] = static_cast<std::int32_t>(c);
+  for (std::size_t s = 0; s < keys.size(); ++s)
+    if (first[s] >= 0) classes.of_span[s] = classes.of_span[static_cast<std::size_t>(first[s])];
   return classes;
 }
 
 // Adds compute(span, work) → matrix of every span; once per class.
 template <class Matrix, class Compute>
-void add_spans(const SolutionSpace& space, const Connectivity& connectivity, Matrix& matrix, Compute compute) {
-  const SpanClasses classes = classify(space);
+void add_spans(const SolutionSpace& space, const Connectivity& connectivity, InteriorPoints interior, Matrix& matrix,
+               Compute compute) {
+  const SpanClasses classes = classify(space, interior);
   tbb::enumerable_thread_specific<WorkSpace> work_spaces;
   std::vector<Eigen::MatrixXd> shared(classes.representative.size());
   tbb::parallel_for(std::size_t{0}, shared.size(),
@@ -136,7 +176,8 @@ void add_spans(const SolutionSpace& space, const Connectivity& connectivity, Mat
   const auto& offsets = space.model().points.offsets;
   for_spans(connectivity, [&](std::int64_t a) {
     const auto s = static_cast<std::size_t>(a);
-    if (offsets[s] == offsets[s + 1]) return; // generalised rules leave spans without points
+    // Generalised rules leave spans without points.
+    if (offsets[s] == offsets[s + 1] && interior == InteriorPoints::Model && space.fictitious_share(a) == 0) return;
     const std::int32_t kind = classes.of_span[s];
     matrix.add(space.nodes(a), kind >= 0 ? shared[static_cast<std::size_t>(kind)] : compute(a, work_spaces.local()));
   });
@@ -148,35 +189,36 @@ StiffnessMatrix assemble_stiffness(const SolutionSpace& space, const std::shared
                                    const ElasticMaterial& material) {
   const Elasticity elasticity(material);
   StiffnessMatrix K(connectivity);
-  add_spans(space, *connectivity, K, [&](std::int64_t a, WorkSpace& work) -> const Eigen::MatrixXd& {
-    gradient_products(space, a, work);
-    elasticity.apply(work.product);
-    return work.product;
-  });
+  add_spans(space, *connectivity, InteriorPoints::Model, K,
+            [&](std::int64_t a, WorkSpace& work) -> const Eigen::MatrixXd& {
+              gradient_products(space, a, InteriorPoints::Model, work);
+              elasticity.apply(work.product);
+              return work.product;
+            });
   return K;
 }
 
 MassMatrix assemble_mass(const SolutionSpace& space, const std::shared_ptr<const Connectivity>& connectivity,
                          double density) {
   MassMatrix M(connectivity);
-  add_spans(space, *connectivity, M, [&](std::int64_t a, WorkSpace& work) -> const Eigen::MatrixXd& {
-    const auto [parameters, weights] = span_points(space, a, work.points);
-    evaluate(space, a, parameters, Shapes::Values, work.shapes);
-    const Eigen::Map<const Eigen::ArrayXd> w(weights.data(), static_cast<Eigen::Index>(weights.size()));
-    work.weighted = work.shapes.values.array().colwise() * (density * w).sqrt();
-    work.product.setZero(work.weighted.cols(), work.weighted.cols());
-    work.product.selfadjointView<Eigen::Lower>().rankUpdate(work.weighted.transpose());
-    return work.product;
-  });
+  add_spans(space, *connectivity, InteriorPoints::Gauss, M,
+            [&](std::int64_t a, WorkSpace& work) -> const Eigen::MatrixXd& {
+              const auto [parameters, weights] = span_points(space, a, work.points, InteriorPoints::Gauss);
+              evaluate(space, a, parameters, Shapes::Values, work.shapes);
+              const Eigen::Map<const Eigen::ArrayXd> w(weights.data(), static_cast<Eigen::Index>(weights.size()));
+              work.weighted = work.shapes.values.array().colwise() * (density * w).sqrt();
+              work.product.setZero(work.weighted.cols(), work.weighted.cols());
+              work.product.selfadjointView<Eigen::Lower>().rankUpdate(work.weighted.transpose());
+              return work.product;
+            });
   return M;
 }
 
 void span_stiffness(const SolutionSpace& space, std::int64_t a, const ElasticMaterial& material, SpanShapes& shapes,
-                    Eigen::MatrixXd& block) {
+                    Eigen::MatrixXd& block, InteriorPoints interior) {
   WorkSpace work;
   std::swap(work.shapes, shapes);
-  gradient_products(space, a, work);
-  Elasticity(material).apply(work.product);
+  span_matrix(space, a, Elasticity(material), interior, work);
   std::swap(work.shapes, shapes);
   block = std::move(work.product);
 }

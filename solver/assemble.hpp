@@ -6,11 +6,12 @@
 
 namespace iga::solve {
 
-/// K_ij = ∫ B_iᵀ C B_j dV.
+/// K_ij = ∫ B_iᵀ C B_j dV, by the model's points.
 StiffnessMatrix assemble_stiffness(const SolutionSpace& space, const std::shared_ptr<const Connectivity>& connectivity,
                                    const ElasticMaterial& material);
 
-/// M_ij = ∫ ρ N_i N_j dV.
+/// M_ij = ∫ ρ N_i N_j dV. Interior spans are integrated exactly whatever their rule: the reduced ones keep row sums,
+/// not products of functions.
 MassMatrix assemble_mass(const SolutionSpace& space, const std::shared_ptr<const Connectivity>& connectivity,
                          double density);
 
@@ -18,9 +19,10 @@ MassMatrix assemble_mass(const SolutionSpace& space, const std::shared_ptr<const
 /// see spare_masses.
 Eigen::VectorXd lumped_mass(const SolutionSpace& space, double density);
 
-/// The stiffness of one span, (3 n × 3 n) over nodes(a), lower triangle filled at least: for local eigenproblems.
+/// The stiffness of one span, (3 n × 3 n) over nodes(a), lower triangle filled at least: for local eigenproblems, which
+/// under generalised rules need an interior span's own Gauss points.
 void span_stiffness(const SolutionSpace& space, std::int64_t a, const ElasticMaterial& material, SpanShapes& shapes,
-                    Eigen::MatrixXd& block);
+                    Eigen::MatrixXd& block, InteriorPoints interior = InteriorPoints::Gauss);
 
 /// f_i = ∫ N_i b dV for a body force b (force/length³). (num_unknowns)
 Eigen::VectorXd body_force(const SolutionSpace& space, const Point3& b);

@@ -21,15 +21,23 @@ using Eigen::VectorXd;
 
 struct WorkSpace {
   SpanShapes shapes;
+  SpanPointStorage points;
   MatrixXd block, square;
   VectorXd scale;
 };
 
+// The sum of the parts must be K and M_L. Where a generalised rule is exact, Gauss points in every span have the same
+// sum and no span's matrices are accidental; a reduced rule's K is the sum over its own points alone. Both bounds hold.
+InteriorPoints bounding_points(const TrimmedModel& model) {
+  return model.quadrature.interior_rule == "ggq" ? InteriorPoints::Gauss : InteriorPoints::Model;
+}
+
 // A = D K_e D with D = M_Le^(-1/2), whole and symmetric; false where a function has stiffness but no mass.
 bool scaled_span(const SolutionSpace& space, const ElasticMaterial& material, std::int64_t a, WorkSpace& work) {
-  span_stiffness(space, a, material, work.shapes, work.block);
-  evaluate(space, a, span_parameters(space.model(), a), Shapes::Values, work.shapes);
-  const auto weights = span_weights(space.model(), a);
+  const InteriorPoints interior = bounding_points(space.model());
+  span_stiffness(space, a, material, work.shapes, work.block, interior);
+  const auto [parameters, weights] = span_points(space, a, work.points, interior);
+  evaluate(space, a, parameters, Shapes::Values, work.shapes);
   const VectorXd mass = material.density * work.shapes.values.transpose() *
                         Eigen::Map<const VectorXd>(weights.data(), static_cast<Index>(weights.size()));
   work.scale.resize(3 * mass.size());
@@ -69,7 +77,7 @@ std::optional<ElementBound> element_bound(const SolutionSpace& space, const Elas
   tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, space.num_spans(), 8), [&](const auto& range) {
     WorkSpace& work = spaces.local();
     for (std::int64_t a = range.begin(); a < range.end() && !massless; ++a) {
-      if (span_weights(space.model(), a).empty()) continue;
+      if (span_weights(space.model(), a).empty() && bounding_points(space.model()) == InteriorPoints::Model) continue;
       if (!scaled_span(space, material, a, work)) {
         massless = true;
         return;

@@ -12,8 +12,10 @@ struct ElementBound {
 };
 
 /// max over spans of ω_max(K_e, M_Le), times √passes. Fried (1972): valid as global matrices are sums of spans' ones.
-/// Nothing where light functions are extended (the masses of an extended span are no sums of positive ones), for the
-/// consistent mass, and where a function has stiffness but no mass in some span.
+/// Interior spans under an exact generalised rule enter with their own Gauss points, under a reduced one with those of
+/// its points that they own: any parting of the points gives a bound. Nothing where light functions are extended (the
+/// masses of an extended span are no sums of positive ones), for the consistent mass, and where a function has
+/// stiffness but no mass in some span.
 std::optional<ElementBound> element_bound(const SolutionSpace& space, const ElasticMaterial& material, MassType mass);
 
 } // namespace iga::solve

@@ -109,27 +109,47 @@ Eigen::MatrixX2d gauss_rule(int n) {
 
 } // namespace
 
-SpanPoints span_points(const SolutionSpace& space, std::int64_t a, SpanPointStorage& storage) {
-  const TrimmedModel& model = space.model();
-  const auto parameters = span_parameters(model, a), weights = span_weights(model, a);
-  const double share = space.fictitious_share(a);
-  if (share == 0) return {parameters, weights};
-  storage.parameters.assign(parameters.begin(), parameters.end());
-  storage.weights.assign(weights.begin(), weights.end());
-  const Box3 box = model.grid.span_box(model.grid.span_index(model.active[static_cast<std::size_t>(a)]));
-  const auto p = model.grid.degree();
+namespace {
+
+// Adds tensor Gauss points of a whole span, their weights scaled by `share`.
+void add_gauss_points(const SplineGrid& grid, std::int64_t span, double share, SpanPointStorage& storage) {
+  const Box3 box = grid.span_box(grid.span_index(span));
+  const auto p = grid.degree();
   const Eigen::MatrixX2d rules[3] = {gauss_rule(p[0] + 1), gauss_rule(p[1] + 1), gauss_rule(p[2] + 1)};
   for (Eigen::Index k = 0; k <= p[2]; ++k)
     for (Eigen::Index j = 0; j <= p[1]; ++j)
       for (Eigen::Index i = 0; i <= p[0]; ++i) {
         const Eigen::Index place[3] = {i, j, k};
-        double weight = share * model.grid.span_volume();
+        double weight = share * grid.span_volume();
         for (std::size_t d = 0; d < 3; ++d) {
           storage.parameters.push_back(box.lower[d] + rules[d](place[d], 0) * (box.upper[d] - box.lower[d]));
           weight *= rules[d](place[d], 1);
         }
         storage.weights.push_back(weight);
       }
+}
+
+} // namespace
+
+bool replaces_points(const TrimmedModel& model, std::int64_t a, InteriorPoints interior) {
+  return interior == InteriorPoints::Gauss && model.quadrature.interior_rule != "gauss" &&
+         static_cast<SpanState>(model.state[static_cast<std::size_t>(model.active[static_cast<std::size_t>(a)])]) ==
+             SpanState::Interior;
+}
+
+SpanPoints span_points(const SolutionSpace& space, std::int64_t a, SpanPointStorage& storage, InteriorPoints interior) {
+  const TrimmedModel& model = space.model();
+  const auto parameters = span_parameters(model, a), weights = span_weights(model, a);
+  const double share = space.fictitious_share(a);
+  const bool replace = replaces_points(model, a, interior);
+  if (share == 0 && !replace) return {parameters, weights};
+  storage.parameters.clear();
+  storage.weights.clear();
+  if (!replace) {
+    storage.parameters.assign(parameters.begin(), parameters.end());
+    storage.weights.assign(weights.begin(), weights.end());
+  }
+  add_gauss_points(model.grid, model.active[static_cast<std::size_t>(a)], replace ? 1 + share : share, storage);
   return {storage.parameters, storage.weights};
 }
 

@@ -99,8 +99,7 @@ enum class Shapes { Values, Gradients, Both };
 void evaluate(const SolutionSpace& space, std::int64_t a, std::span<const double> parameters, Shapes what,
               SpanShapes& shapes);
 
-/// Quadrature points of the a-th active span as matrices see them: the model's, and Gauss points of the fictitious
-/// material where the span has a share of it. Views into the model or into `storage`.
+/// Quadrature points of one span; views into the model or into a SpanPointStorage.
 struct SpanPoints {
   std::span<const double> parameters; ///< (n × 3), row-major
   std::span<const double> weights;    ///< (n), length³
@@ -108,7 +107,17 @@ struct SpanPoints {
 struct SpanPointStorage {
   std::vector<double> parameters, weights;
 };
-SpanPoints span_points(const SolutionSpace& space, std::int64_t a, SpanPointStorage& storage);
+/// Under a generalised rule the points of an interior span integrate nothing alone, only those of its whole box do.
+enum class InteriorPoints {
+  Model, ///< the model's own points, whatever the rule: for sums over all spans
+  Gauss  ///< p + 1 Gauss points a direction where the rule stands for boxes: exact in every single span
+};
+/// Quadrature points of the a-th active span as matrices see them, and Gauss points of the fictitious material where
+/// the span has a share of it.
+SpanPoints span_points(const SolutionSpace& space, std::int64_t a, SpanPointStorage& storage,
+                       InteriorPoints interior = InteriorPoints::Model);
+/// True where span_points gives an interior span's points anew.
+bool replaces_points(const TrimmedModel& model, std::int64_t a, InteriorPoints interior);
 
 /// The points of the a-th active span: its rows of model().points.parameters and .weights; and those on its surface.
 std::span<const double> span_parameters(const TrimmedModel& model, std::int64_t a);

@@ -33,6 +33,10 @@ int pending_signal() {
   return arrived.load();
 }
 
+int take_pending_signal() {
+  return arrived.exchange(0);
+}
+
 void stop_if_interrupted() {
   if (pending_signal() != 0) throw Interrupted{};
 }

@@ -12,6 +12,9 @@ void install_signal_handlers();
 /// Number of the signal that arrived, 0 for none.
 int pending_signal();
 
+/// The same, and forgets it: for work that an interrupt ends early without making it worthless.
+int take_pending_signal();
+
 /// @throws Interrupted if a signal arrived
 void stop_if_interrupted();
 

@@ -24,7 +24,7 @@ struct IntegrationPoints {
 
 /// How the points were made and what was left out; attributes of /quadrature.
 struct QuadratureInfo {
-  std::string interior_rule = "gauss"; ///< gauss | ggq | ggq-reduced
+  std::string interior_rule = "gauss"; ///< gauss | ggq | ggq-reduced | ggq-reduced2
   std::string trimmed_rule = "nnls";   ///< nnls | minimal
   std::array<int, 3> moment_degree{2, 2, 2};
   double tolerance = 1e-10; ///< bound on every residual

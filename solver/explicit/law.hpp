@@ -13,7 +13,8 @@
 //   void stress(const LawInput& in, Lanes* h, TensorLanes& P, LawOutput& out) const;
 //
 // and `reference_wave_speed()`: √(max eigenvalue of the acoustic tensor / density) at F = I with a fresh history; it is
-// what the Lanczos estimate of the time step at the start is scaled by.
+// what the Lanczos estimate of the time step at the start is scaled by. `small_strain()` gives the elastic constants
+// that this estimate works with. All laws: laws/laws.hpp.
 #pragma once
 
 #include "solver/explicit/tensor_lanes.hpp"
@@ -34,7 +35,7 @@ struct LawOutput {
   /// dt ≤ dt_start · reference_wave_speed / c. Includes the part of F^-T; speed², (length/time)².
   Lanes wave_speed_squared;
   Lanes J;           ///< det F as the law saw it
-  LaneMask inverted; ///< the law was not evaluated at this J: see InversionPolicy
+  LaneMask inverted; ///< the law was not evaluated at this J: see InversionPolicy in laws/inversion.hpp
   /// Viscous (rate) share of the power: damping stress : D · J, power / reference volume; 0 without damping. The rest
   /// of P : Ḟ is internal energy and plastic work.
   Lanes viscous_power;

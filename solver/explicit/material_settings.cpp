@@ -53,7 +53,7 @@ class Reader {
   }
 
   MaterialSettings read() {
-    MaterialSettings m{.law = NeoHookean{}, .name = name_, .warnings = {}};
+    MaterialSettings m{.law = NeoHookean{}, .inversion = inversion(default_ratio()), .name = name_, .warnings = {}};
     at(table_.where(name_ == "linear-elastic" && C_ ? "C" : "law"), [&] { m.law = make(m.warnings); });
     const auto viscosity = table_.numbers("bulk_viscosity", {2});
     if (!viscosity) return m;
@@ -139,14 +139,21 @@ class Reader {
     }
     const double E = need("E", "Young's modulus, force per length²"), nu = need("nu", "Poisson's ratio");
     if (name_ == "linear-elastic") return LinearElastic(isotropic(E, nu, rho));
-    if (name_ == "st-venant-kirchhoff") return st_venant_kirchhoff(E, nu, rho, inversion(0.05));
-    if (name_ == "neo-hookean") return neo_hookean(E, nu, rho, inversion(0.05));
+    if (name_ == "st-venant-kirchhoff") return st_venant_kirchhoff(E, nu, rho, inversion(default_ratio()));
+    if (name_ == "neo-hookean") return neo_hookean(E, nu, rho, inversion(default_ratio()));
     if (name_ == "j2")
-      return J2Plasticity(J2Settings{
-          .E = E, .nu = nu, .density = rho, .yield = hardening(), .rate = rate_factor(), .inversion = inversion(0.05)});
+      return J2Plasticity(J2Settings{.E = E,
+                                     .nu = nu,
+                                     .density = rho,
+                                     .yield = hardening(),
+                                     .rate = rate_factor(),
+                                     .inversion = inversion(default_ratio())});
     if (name_ == "crushable-foam") return crushable_foam(E, nu, rho, warnings);
     return elliptic_foam(E, nu, rho);
   }
+
+  // Foams are meant to be crushed further.
+  double default_ratio() const { return name_.ends_with("foam") ? 0.02 : 0.05; }
 
   InversionPolicy inversion(double smallest_J) const {
     const std::string action = choose("inversion", word("inversion", "clamp"), {"clamp", "erode", "stop"});
@@ -199,15 +206,18 @@ class Reader {
                               .tension_limit = number("tension_limit", 0),
                               .damping = number("damping", 0),
                               .modulus = modulus == "E" ? FoamModulus::E : FoamModulus::FinalSlope,
-                              .inversion = inversion(0.02)});
+                              .inversion = inversion(default_ratio())});
     if (const auto warning = foam.warning())
       warnings.push_back(fmt::format("{}: {}", table_.where("yield_curve"), *warning));
     return foam;
   }
 
   Law elliptic_foam(double E, double nu, double rho) const {
-    EllipticFoamSettings s{
-        .E = E, .nu = nu, .density = rho, .plastic_nu = number("plastic_nu", 0), .inversion = inversion(0.02)};
+    EllipticFoamSettings s{.E = E,
+                           .nu = nu,
+                           .density = rho,
+                           .plastic_nu = number("plastic_nu", 0),
+                           .inversion = inversion(default_ratio())};
     const bool formula = given("plateau") || given("hardening_linear") || given("hardening_log") ||
                          given("hardening_power") || given("densification_strain");
     if (curve_ && formula)

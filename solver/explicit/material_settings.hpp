@@ -14,6 +14,7 @@ namespace iga::solve {
 
 struct MaterialSettings {
   Law law;
+  InversionPolicy inversion;         ///< what the kernel does with LawOutput::inverted; the law knows it too
   std::string name;                  ///< as written: "neo-hookean", …
   std::vector<std::string> warnings; ///< to be printed once
 };

@@ -152,7 +152,9 @@ TEST(Settings, ValuesOutOfRangeAreRefusedByName) {
   EXPECT_REFUSED("tolerance = 0", (t.tolerance = 0));
   EXPECT_REFUSED("moment_degree = 5", (t.moment_degree = std::vector<std::int64_t>{5}));
   EXPECT_REFUSED("moment_degree = \"3p\"", (t.moment_degree = "3p"));
-  EXPECT_REFUSED("the rule gauss", (t.interior = "ggq"));
+  EXPECT_REFUSED("choose gauss, ggq", (t.interior = "simpson"));
+  EXPECT_REFUSED("hourglass", (t.interior = "ggq-reduced2"));
+  EXPECT_REFUSED("hourglass", (t.interior = "ggq-reduced2", t.degree = {{3, 2, 3}}));
   EXPECT_REFUSED("the rule nnls", (t.trimmed = "minimal"));
   EXPECT_REFUSED("belong to wrapping", (t.wrap_alpha = 1));
   EXPECT_REFUSED("region_angle = -3", (t.region_angle = -3));
@@ -173,6 +175,7 @@ TEST(Settings, CanonicalTextTellsDataApartAndIgnoresHowItWasTyped) {
   EXPECT_TRUE(changed([](auto& t) { t.region_angle = 30; }));
   EXPECT_TRUE(changed([](auto& t) { t.rotate_axis_angle = std::vector<double>{0, 0, 1, 1}; }));
   EXPECT_TRUE(changed([](auto& t) { t.moment_degree = "2p"; }));
+  EXPECT_TRUE(changed([](auto& t) { t.interior = "ggq"; }));
   EXPECT_TRUE(changed([](auto& t) { t.optimise_offset = true; }));
   EXPECT_FALSE(changed([](auto& t) { t.output = "elsewhere.h5"; }));
   EXPECT_FALSE(changed([](auto& t) { t.degree = {{2, 2, 2}}; }));

@@ -7,16 +7,20 @@
 
 namespace iga::test {
 
-TrimmedModel make_part(const TriangleMesh& mesh, const SplineGrid& grid, int moment_degree) {
+TrimmedModel make_part(const TriangleMesh& mesh, const SplineGrid& grid, int moment_degree, const char* interior_rule) {
   prep::Trimming trimming = prep::trim(grid, mesh, {});
   const int q = moment_degree > 0 ? moment_degree : grid.degree()[0];
   prep::QuadratureOptions options;
   options.moment_degree = {q, q, q};
+  options.interior_rule = interior_rule;
   TrimmedModel model;
   model.grid = grid;
   model.quadrature.moment_degree = options.moment_degree;
+  model.quadrature.interior_rule = options.interior_rule;
   model.quadrature.part_volume = volume_moments(mesh).volume;
-  model.points = prep::build_quadrature(grid, trimming, options).points;
+  prep::QuadratureResult quadrature = prep::build_quadrature(grid, trimming, options);
+  model.points = std::move(quadrature.points);
+  model.quadrature.max_residual = quadrature.max_residual;
   prep::FunctionMass mass = prep::function_mass(grid, trimming, model.points);
   model.active_functions = std::move(mass.functions);
   model.mass_fraction = std::move(mass.mass_fraction);
@@ -29,7 +33,7 @@ TrimmedModel make_part(const TriangleMesh& mesh, const SplineGrid& grid, int mom
 
 TrimmedModel make_part(const TriangleMesh& mesh, const PartOptions& options) {
   return make_part(mesh, grid_around(mesh, options.span_size, options.degree, options.shift, options.rotation),
-                   options.moment_degree);
+                   options.moment_degree, options.interior_rule);
 }
 
 } // namespace iga::test

@@ -76,7 +76,7 @@ void CrushableFoam::stress(const LawInput& in, Lanes* h, TensorLanes& P, LawOutp
   for (int k = 0; k < num_packs; ++k) {
     const PackTensor F = load(in.F, k);
     const RateGeometry geometry(F, cofactor(F), J_min);
-    const RateIncrement step = rate_increment(F, load(in.F_old, k), geometry.J, J_min);
+    const RateIncrement step = rate_increment(F, load(in.F_old, k), geometry, J_min);
     PackSymmetric sigma = rotated(load_symmetric(h, k), step.rotation);
     add_elastic(sigma, step.strain, lambda_, mu_);
 
@@ -92,8 +92,7 @@ void CrushableFoam::stress(const LawInput& in, Lanes* h, TensorLanes& P, LawOutp
     const Pack curve_slope = gamma >= 0.0 ? piece.slope : Pack{};
     const Pack tangent = max(geometry.clamped * curve_slope, modulus);
     PackOutput o;
-    o.inverted = step.inverted;
-    PackTensor stress = finish_rate_law(geometry, sigma, tangent, modulus, density, J_min, o);
+    PackTensor stress = finish_rate_law(geometry, step, sigma, tangent, modulus, density, J_min, o);
     if (damping_ > 0) {
       const Pack area = sqrt(geometry.area_squared);
       o.damping_ratio = damping_ * wave_speed * area / sqrt(o.wave_speed_squared);

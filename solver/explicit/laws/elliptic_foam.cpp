@@ -74,7 +74,7 @@ void EllipticFoam::stress_with(const Yield& yield, const LawInput& in, Lanes* h,
   for (int k = 0; k < num_packs; ++k) {
     const PackTensor F = load(in.F, k);
     const RateGeometry geometry(F, cofactor(F), J_min);
-    const RateIncrement step = rate_increment(F, load(in.F_old, k), geometry.J, J_min);
+    const RateIncrement step = rate_increment(F, load(in.F_old, k), geometry, J_min);
     PackSymmetric sigma = rotated(load_symmetric(h, k), step.rotation);
     add_elastic(sigma, step.strain, lambda_, mu_);
 
@@ -110,8 +110,7 @@ void EllipticFoam::stress_with(const Yield& yield, const LawInput& in, Lanes* h,
     }
     store_symmetric(h, k, sigma);
     PackOutput o;
-    o.inverted = step.inverted;
-    PackTensor stress = finish_rate_law(geometry, sigma, pack(modulus), modulus, density, J_min, o);
+    PackTensor stress = finish_rate_law(geometry, step, sigma, pack(modulus), modulus, density, J_min, o);
     store(inversion_, modulus / density, stress, o, k, P, out);
   }
 }

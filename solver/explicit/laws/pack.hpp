@@ -44,15 +44,27 @@ inline void store(LaneMask& x, int k, const PackMask& y) {
   std::memcpy(reinterpret_cast<std::int64_t*>(&x) + k * pack_size, &y, sizeof(PackMask));
 }
 
+// The forms with a mask of ones give the same instructions; g++ 12 takes the plain ones for uninitialised.
 #if defined(__AVX512F__)
 inline Pack min(const Pack& a, const Pack& b) {
-  return _mm512_min_pd(a, b);
+  return _mm512_maskz_min_pd(0xff, a, b);
 }
 inline Pack max(const Pack& a, const Pack& b) {
-  return _mm512_max_pd(a, b);
+  return _mm512_maskz_max_pd(0xff, a, b);
 }
 inline Pack sqrt(const Pack& a) {
-  return _mm512_sqrt_pd(a);
+  return _mm512_maskz_sqrt_pd(0xff, a);
+}
+/// 1 / √a to 1 or 2 ulp for normal positive a; off the divider, which laws would wait for otherwise.
+inline Pack reciprocal_sqrt(const Pack& a) {
+  Pack y = _mm512_maskz_rsqrt14_pd(0xff, a);
+  y = y * (1.5 - 0.5 * a * y * y);
+  return y + 0.5 * y * (1.0 - a * y * y);
+}
+/// √a to 1e-8 for a from 1e-280 on: for estimates.
+inline Pack rough_sqrt(const Pack& a) {
+  const Pack y = _mm512_maskz_rsqrt14_pd(0xff, a);
+  return a * y * (1.5 - 0.5 * a * y * y);
 }
 inline bool any(const PackMask& m) {
   return _mm512_test_epi64_mask(reinterpret_cast<__m512i>(m), reinterpret_cast<__m512i>(m)) != 0;
@@ -84,6 +96,15 @@ inline Pack sqrt(const Pack& a) {
 }
 inline bool any(const PackMask& m) {
   return (m[0] | m[1] | m[2] | m[3]) != 0;
+}
+#endif
+
+#if !defined(__AVX512F__)
+inline Pack reciprocal_sqrt(const Pack& a) {
+  return 1.0 / sqrt(a);
+}
+inline Pack rough_sqrt(const Pack& a) {
+  return sqrt(a);
 }
 #endif
 

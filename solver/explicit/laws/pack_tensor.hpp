@@ -66,9 +66,10 @@ inline Pack contract(const PackSymmetric& a, const PackSymmetric& b) {
 }
 
 /// Upper bound of the largest eigenvalue of a symmetric positive tensor from its first two invariants: I1/3 plus √2
-/// standard deviations of the eigenvalues (Wolkowicz and Styan 1980). Exact where the two smaller ones agree.
+/// standard deviations of the eigenvalues (Wolkowicz and Styan 1980). Exact (to 1e-8) where the two smaller ones agree.
 inline Pack largest_eigenvalue_bound(const Pack& I1, const Pack& I2) {
-  return (1.0 / 3.0) * I1 + (2.0 / 3.0) * sqrt(max(I1 * I1 - 3.0 * I2, 0.0));
+  constexpr double tiny = 1e-200;
+  return (1.0 / 3.0) * I1 + (2.0 / 3.0) * rough_sqrt(max(I1 * I1 - 3.0 * I2, tiny));
 }
 
 /// Upper bound of the largest squared stretch of an area, max |cof F N|² over unit normals N = (J / σ_min(F))².

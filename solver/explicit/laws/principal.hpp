@@ -17,7 +17,8 @@ template <class Function> PackSymmetric isotropic_function(const PackSymmetric& 
   for (int i = 0; i < 3; ++i) s.c[i] -= mean;
   // Far below any stress, its third power still a normal number: keeps 1/p finite for a spherical tensor.
   constexpr double tiny = 1e-180;
-  const Pack p = sqrt((1.0 / 6.0) * contract(s, s) + tiny), one_over_p = 1.0 / p; // roots p (2 cos φ_k)
+  const Pack p2 = (1.0 / 6.0) * contract(s, s) + tiny; // roots p (2 cos φ_k)
+  const Pack one_over_p = reciprocal_sqrt(p2), p = p2 * one_over_p;
   const Pack xx = s.c[0], yy = s.c[1], zz = s.c[2], xy = s.c[3], yz = s.c[4], zx = s.c[5];
   const Pack det = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * zx) + zx * (xy * yz - yy * zx);
   const Pack cos3 = 0.5 * det * one_over_p * one_over_p * one_over_p;
@@ -43,9 +44,9 @@ template <class Function> PackSymmetric isotropic_function(const PackSymmetric& 
   PackSymmetric b;
   for (int i = 0; i < 6; ++i) b.c[i] = s.c[i] - 3.0 * half * n.c[i];
   for (int i = 0; i < 3; ++i) b.c[i] += half;
-  const Pack d = sqrt(0.5 * contract(b, b) + tiny);
+  const Pack d2 = 0.5 * contract(b, b) + tiny, one_over_d = reciprocal_sqrt(d2), d = d2 * one_over_d;
   const Pack f1 = f(mean + s1), f2 = f(mean - half + d), f3 = f(mean - half - d);
-  const Pack average = 0.5 * (f2 + f3), in_plane = 0.5 * (f2 - f3) / d, along = f1 - average;
+  const Pack average = 0.5 * (f2 + f3), in_plane = 0.5 * (f2 - f3) * one_over_d, along = f1 - average;
   PackSymmetric result;
   for (int i = 0; i < 6; ++i) result.c[i] = along * n.c[i] + in_plane * b.c[i];
   for (int i = 0; i < 3; ++i) result.c[i] += average;

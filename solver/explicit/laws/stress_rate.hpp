@@ -5,23 +5,40 @@
 
 namespace iga::solve {
 
+/// What rate laws need of F at the end of a step.
+struct RateGeometry {
+  Pack J;
+  Pack clamped;      ///< max(J, smallest_J)
+  Pack area_squared; ///< max |cof F N|²
+  PackTensor cofactor;
+
+  RateGeometry(const PackTensor& F, const PackTensor& cof, double smallest_J)
+      : J(determinant(F, cof)), clamped(max(J, smallest_J)),
+        area_squared(largest_area_stretch_squared(squares(F), squares(cof), J)), cofactor(cof) {}
+};
+
 /// Strain and rotation of one step about its midpoint: G = ΔF F_{n+1/2}^-1, strain = sym G, and θ half the axial vector
 /// of skew G (Hughes and Winget 1980, doi 10.1002/nme.1620151210). A rigid rotation has no strain and turns exactly.
 struct RateIncrement {
   PackSymmetric strain;
-  Pack rotation[3]; ///< θ
+  Pack rotation[3];      ///< θ
+  Pack one_over_clamped; ///< 1 / RateGeometry::clamped
   PackMask inverted;
 };
 
 /// Points with J < smallest_J, or whose midpoint is that flat, get the increment zero: their stress stays.
-inline RateIncrement rate_increment(const PackTensor& F, const PackTensor& F_old, const Pack& J, double smallest_J) {
+inline RateIncrement rate_increment(const PackTensor& F, const PackTensor& F_old, const RateGeometry& geometry,
+                                    double smallest_J) {
   PackTensor sum, G; // sum = 2 F_{n+1/2}
   for (int i = 0; i < 9; ++i) sum.c[i] = F.c[i] + F_old.c[i];
   const PackTensor cof = cofactor(sum);
   const Pack det = determinant(sum, cof); // 8 J of the midpoint
   RateIncrement r;
-  r.inverted = (J < smallest_J) | (det < 4 * smallest_J);
-  const Pack scale = r.inverted ? Pack{} : 2.0 / det;
+  r.inverted = (geometry.J < smallest_J) | (det < 4 * smallest_J);
+  const Pack safe = r.inverted ? pack(8) : det;
+  const Pack both = 1.0 / (safe * geometry.clamped); // one division for two
+  r.one_over_clamped = both * safe;
+  const Pack scale = r.inverted ? Pack{} : 2.0 * both * geometry.clamped;
   for (int a = 0; a < 3; ++a) {
     const Pack d0 = scale * (F(a, 0) - F_old(a, 0)), d1 = scale * (F(a, 1) - F_old(a, 1)),
                d2 = scale * (F(a, 2) - F_old(a, 2));
@@ -73,35 +90,26 @@ inline void store_symmetric(Lanes* h, int k, const PackSymmetric& s) {
   for (int i = 0; i < 6; ++i) store(h[i], k, s.c[i]);
 }
 
-/// Geometry that the end of every rate law needs.
-struct RateGeometry {
-  Pack J;
-  Pack clamped;      ///< max(J, smallest_J)
-  Pack area_squared; ///< max |cof F N|²
-  PackTensor cofactor;
-
-  RateGeometry(const PackTensor& F, const PackTensor& cof, double smallest_J)
-      : J(determinant(F, cof)), clamped(max(J, smallest_J)),
-        area_squared(largest_area_stretch_squared(squares(F), squares(cof), J)), cofactor(cof) {}
-};
-
 /// The end of every rate law: P = (σ + viscous) cof F, and below smallest_J the spring of the policy Clamp, a pressure
 /// M (1 - J / smallest_J) (M the modulus of a plane wave: as stiff as the elastic material at smallest_J).
 ///
 /// Wave speed: with g = F^-T N, the acoustic tensor is J (∂σ/∂l) g⊗g; the terms of σ tr l and σ lᵀ cancel, the spin
 /// adds at most half the difference of the principal stresses, which √J2 bounds. So ρ c² ≤ |cof F N|²/J · (M_t + √J2).
 /// @param tangent M_t, force/length²: the stiffest response to a plane wave now
-inline PackTensor finish_rate_law(const RateGeometry& geometry, const PackSymmetric& sigma, const Pack& tangent,
-                                  double modulus, double density, double smallest_J, PackOutput& o) {
-  const Pack one_over_J = 1.0 / geometry.clamped;
+inline PackTensor finish_rate_law(const RateGeometry& geometry, const RateIncrement& step, const PackSymmetric& sigma,
+                                  const Pack& tangent, double modulus, double density, double smallest_J,
+                                  PackOutput& o) {
+  constexpr double tiny = 1e-200;
   const Pack spring = modulus / smallest_J * min(geometry.J - smallest_J, 0.0);
   PackSymmetric total = sigma;
   for (int i = 0; i < 3; ++i) total.c[i] += spring;
   const PackMask below = geometry.J < smallest_J;
   const Pack extra = below ? pack(modulus / smallest_J) : Pack{};
   o.J = geometry.J;
-  o.wave_speed_squared =
-      geometry.area_squared * ((tangent + sqrt(deviator_invariant(sigma))) * one_over_J + extra) * (1 / density);
+  o.inverted = step.inverted;
+  o.wave_speed_squared = geometry.area_squared *
+                         ((tangent + rough_sqrt(deviator_invariant(sigma) + tiny)) * step.one_over_clamped + extra) *
+                         (1 / density);
   return first_piola(total, geometry.cofactor);
 }
 

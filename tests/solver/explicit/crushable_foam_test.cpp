@@ -143,7 +143,7 @@ TEST(CrushableFoam, SuperposedRotationTurnsTheStress) {
   // A rigid rotation keeps it to round-off, in one step and in many.
   LawDriver once = plain, often = plain;
   once.step(R * plain.F());
-  EXPECT_LE((once.cauchy() - R * plain.cauchy() * R.transpose()).norm(), 1e-14);
+  EXPECT_LE((once.cauchy() - R * plain.cauchy() * R.transpose()).norm(), 1e-13 * plain.cauchy().norm());
   often.path([&](double s) -> Matrix3d { return rotation(axis, 2 * s) * plain.F(); }, 500);
   EXPECT_LE((often.cauchy() - R * plain.cauchy() * R.transpose()).norm(), 1e-12);
 }
@@ -219,8 +219,9 @@ TEST(CrushableFoam, DampingAddsStressAndPower) {
   }
   const double rate = -0.01 / 0.795 / dt, c = std::sqrt(20 / settings.density), l = h * 0.79;
   const double viscous = 0.1 * settings.density * c * l * rate;
-  EXPECT_NEAR(damped.cauchy()(0, 0) - plain.cauchy()(0, 0), viscous, 1e-12 * std::abs(viscous));
-  EXPECT_NEAR(damped.out.viscous_power[0], 0.79 * viscous * rate, 1e-10 * std::abs(viscous * rate));
+  // σ_min(F) in the length is an estimate to 1e-8 (rough_sqrt).
+  EXPECT_NEAR(damped.cauchy()(0, 0) - plain.cauchy()(0, 0), viscous, 1e-8 * std::abs(viscous));
+  EXPECT_NEAR(damped.out.viscous_power[0], 0.79 * viscous * rate, 1e-8 * std::abs(viscous * rate));
   EXPECT_EQ(plain.out.viscous_power[0], 0);
   EXPECT_NEAR(damped.out.damping_ratio[0], 0.1 * std::sqrt(0.79), 1e-2 * 0.1); // elastic wave: β √J
   LawDriver later = damped;                                                    // no memory of the damping

@@ -78,6 +78,17 @@ TEST_F(MaterialFile, SmallStrainsOfEveryLawAreThoseOfTheElasticConstants) {
   }
 }
 
+TEST_F(MaterialFile, InvertedPointsFollowTheirSettings) {
+  EXPECT_EQ(read(elastic).inversion.action, InvertedPoints::Clamp);
+  EXPECT_EQ(read(elastic).inversion.smallest_J, 0.05);
+  EXPECT_EQ(read("law = \"crushable-foam\"\nyield_curve = [[0, 1]]\n" + elastic).inversion.smallest_J, 0.02);
+  const auto material = read("inversion = \"erode\"\nmin_volume_ratio = 0.1\n" + elastic);
+  EXPECT_EQ(material.inversion.action, InvertedPoints::Erode);
+  EXPECT_EQ(std::get<NeoHookean>(material.law).inversion.action, InvertedPoints::Erode);
+  EXPECT_EQ(std::get<NeoHookean>(material.law).inversion.smallest_J, 0.1);
+  EXPECT_EQ(read("inversion = \"stop\"\n" + elastic).inversion.action, InvertedPoints::Stop);
+}
+
 TEST_F(MaterialFile, AnElasticityMatrixIsRead) {
   const std::string isotropic_matrix = "C = [4, 2, 2, 0, 0, 0, 4, 2, 0, 0, 0, 4, 0, 0, 0, 1, 0, 0, 1, 0, 1]\n";
   const auto material = read("law = \"linear-elastic\"\nrho = 1\n" + isotropic_matrix);
