@@ -58,22 +58,30 @@ void ContactModel::share_budget(std::span<const BodyState> bodies, const StepTim
       const auto& mask = search.mask(s).vertex;
       for (std::size_t v = 0; v < mask.size(); ++v) takes_part[v] |= mask[v];
     }
-    // All vertices in contact at once, each with the slab of half a span (or half the wall) behind it.
     auto& density = density_[s];
     density.assign(mesh.vertices.size(), 0);
-    std::vector<double> sums(mesh.vertices.size(), 0);
     for (std::size_t v = 0; v < density.size(); ++v) {
       if (!takes_part[v]) continue;
-      const auto vertex = static_cast<std::int32_t>(v);
-      double slab = 0.5 * surface.span_size();
-      for (const std::int32_t f : mesh.faces_of(vertex)) slab = std::min(slab, 0.5 * mesh.thickness[at(f)]);
+      double slab = 0.5 * surface.span_size(); // or half the wall
+      for (const std::int32_t f : mesh.faces_of(static_cast<std::int32_t>(v)))
+        slab = std::min(slab, 0.5 * mesh.thickness[at(f)]);
       density[v] = surface.density() * slab / (reference_dt_ * reference_dt_);
-      sums[v] = strongest * density[v] * mesh.vertex_area[v] * surface.weight_sum(vertex);
     }
+    // All faces that look one way in contact at once, for each of six ways: what lies around an edge touches different
+    // things, if ever at once (then the budget of the step decides).
     Eigen::VectorXd share = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(surface.columns().rows()));
-    const Eigen::VectorXd at_nodes = sum_at_nodes(surface, sums);
-    for (const std::int32_t i : surface.nodes())
-      share[i] = share_of(room(bodies[surface.owner()], at(i), times), at_nodes[i]);
+    for (std::size_t way = 0; way < 6; ++way) {
+      std::vector<double> sums(mesh.vertices.size(), 0);
+      for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
+        const double facing = (way % 2 == 0 ? 1 : -1) * mesh.face_normal[f][way / 2];
+        if (facing <= 0) continue;
+        for (const std::int32_t v : mesh.triangles[f])
+          sums[at(v)] += strongest * density[at(v)] * facing * mesh.face_area[f] / 3 * surface.weight_sum(v);
+      }
+      const Eigen::VectorXd at_nodes = sum_at_nodes(surface, sums);
+      for (const std::int32_t i : surface.nodes())
+        share[i] = std::min(share[i], share_of(room(bodies[surface.owner()], at(i), times), at_nodes[i]));
+    }
     for (std::size_t v = 0; v < density.size(); ++v)
       density[v] *= least_over_row(surface.rows(), static_cast<std::int32_t>(v), share);
   }

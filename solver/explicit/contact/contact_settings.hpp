@@ -28,7 +28,7 @@ struct ContactPair {
   /// k = stiffness · m / dt² with m the reduced mass of the slabs, half a span deep, behind the contact. Commercial
   /// segment-based penalties use 0.05; the budget of stability lowers what is too much for a node.
   double stiffness = 0.5;
-  double damping = 0.1; ///< share of critical damping of the pair's mass on its spring
+  double damping = 0.05; ///< share of critical damping of the pair's mass on its spring
   bool edges = true;    ///< sharp edges touch each other and rigid bodies' corners touch faces
 };
 
