@@ -29,7 +29,7 @@ struct ContactPair {
   /// segment-based penalties use 0.05; the budget of stability lowers what is too much for a node.
   double stiffness = 0.5;
   double damping = 0.05; ///< share of critical damping of the pair's mass on its spring
-  bool edges = true;    ///< sharp edges touch each other and rigid bodies' corners touch faces
+  bool edges = true;     ///< sharp edges touch each other and rigid bodies' corners touch faces
 };
 
 struct ContactOptions {

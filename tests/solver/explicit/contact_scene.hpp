@@ -18,9 +18,7 @@ struct ElasticBody {
         masses(solve::spare_masses(space, material.density).masses), u(Eigen::VectorXd::Zero(K.size())), v(u), f(u),
         penalty(Eigen::VectorXd::Zero(masses.size())) {}
 
-  double largest_omega() const {
-    return solve::largest_eigenvalue(K, solve::MassOperator::lumped(masses), 1e-4).omega;
-  }
+  double largest_omega() const { return solve::largest_eigenvalue(K, solve::MassOperator::lumped(masses), 1e-4).omega; }
   Eigen::VectorXd acceleration(const Eigen::VectorXd& force) const {
     Eigen::VectorXd a(force.size());
     for (Eigen::Index i = 0; i < masses.size(); ++i) a.segment<3>(3 * i) = force.segment<3>(3 * i) / masses[i];
@@ -69,8 +67,8 @@ struct Energies {
 
 class Scene {
  public:
-  Scene(ElasticBodies made, std::vector<solve::RigidBody> rigid, std::vector<solve::ContactPair> pairs, double longest = 0,
-        double safety = 0.9)
+  Scene(ElasticBodies made, std::vector<solve::RigidBody> rigid, std::vector<solve::ContactPair> pairs,
+        double longest = 0, double safety = 0.9)
       : bodies(std::move(made)), contact(surfaces(longest), std::move(rigid), std::move(pairs)) {
     double omega = 0;
     for (const auto& body : bodies) omega = std::max(omega, body->largest_omega());
