@@ -75,7 +75,7 @@ void ContactModel::apply_forces(const StepTimes& times) {
   }
 }
 
-void ContactModel::hand_back(std::span<BodyState> bodies, const StepTimes& times) {
+void ContactModel::hand_back(std::span<const BodyState> bodies, const StepTimes& times) {
   double work = 0; // of the contact forces on all bodies, trapezoidal
   for (std::size_t s = 0; s < surfaces_.size(); ++s) {
     const MovingSurface& surface = surfaces_[s];
@@ -96,7 +96,7 @@ void ContactModel::hand_back(std::span<BodyState> bodies, const StepTimes& times
         }
       });
     std::fill(at_vertices.begin(), at_vertices.end(), Point3{});
-    BodyState& body = bodies[surface.owner()];
+    const BodyState& body = bodies[surface.owner()];
     *body.force += force;
     Eigen::VectorXd& last = last_force_[surface.owner()];
     work += 0.5 * times.dt_last * (force + last).dot(*body.velocity);

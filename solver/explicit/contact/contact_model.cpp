@@ -57,7 +57,7 @@ ContactModel::ContactModel(std::vector<ContactSurface> surfaces, std::vector<Rig
   rigid_sum_.assign(rigid_.size(), 0);
 }
 
-void ContactModel::evaluate(std::span<BodyState> bodies, const StepTimes& times) {
+PenaltyEnergy ContactModel::add_forces(const StepTimes& times, std::span<const BodyState> bodies) {
   for (RigidState& body : rigid_) body.clear_force();
   report_.energy = {};
   report_.least_scale = 1;
@@ -70,10 +70,23 @@ void ContactModel::evaluate(std::span<BodyState> bodies, const StepTimes& times)
   apply_forces(times);
   hand_back(bodies, times);
   started_ = true;
+  return report_.energy;
 }
 
-void ContactModel::advance_rigid(const StepTimes& times) {
+void ContactModel::advance(const StepTimes& times) {
   for (RigidState& body : rigid_) body.advance(times);
+}
+
+double ContactModel::kinetic_energy() const {
+  double sum = 0;
+  for (const RigidState& body : rigid_) sum += body.kinetic_energy();
+  return sum;
+}
+
+double ContactModel::external_work() const {
+  double sum = 0;
+  for (const RigidState& body : rigid_) sum += body.external_work();
+  return sum;
 }
 
 void ContactModel::look_where_stale(std::span<const BodyState> bodies) {
@@ -203,7 +216,7 @@ std::vector<double> ContactModel::save() const {
   return values;
 }
 
-void ContactModel::restore(std::span<const double> values) {
+void ContactModel::load(std::span<const double> values) {
   std::size_t next = 0;
   started_ = values[next++] > 0;
   reference_dt_ = values[next++];

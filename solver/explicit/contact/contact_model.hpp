@@ -2,6 +2,7 @@
 #pragma once
 
 #include "solver/explicit/contact/touch.hpp"
+#include "solver/explicit/force_source.hpp"
 
 namespace iga::solve {
 
@@ -26,7 +27,7 @@ struct ContactReport {
   std::int64_t candidates = 0;
 };
 
-class ContactModel {
+class ContactModel : public PenaltySource {
  public:
   /// @param surfaces  k-th one of the k-th deformable body; the order of all BodyStates
   /// @throws InputError for pairs of sides that do not exist, rigid bodies that cannot be
@@ -37,18 +38,21 @@ class ContactModel {
   /// at zero here). Parallel; the same bits for any number of threads.
   /// @throws InputError for bodies that overlap deeply at the start, NumericalError where sides move so far in a step
   ///         that they could pass each other
-  void evaluate(std::span<BodyState> bodies, const StepTimes& times);
+  PenaltyEnergy add_forces(const StepTimes& times, std::span<const BodyState> bodies) override;
   /// Rigid bodies from t_n to t_{n+1}; other forces on them are added before.
-  void advance_rigid(const StepTimes& times);
+  void advance(const StepTimes& times) override;
+  /// Of the free rigid bodies.
+  double kinetic_energy() const override;
+  /// Of drives and of gravity on rigid bodies.
+  double external_work() const override;
 
   const ContactReport& report() const { return report_; }
   std::vector<RigidState>& rigid() { return rigid_; }
   const std::vector<RigidState>& rigid() const { return rigid_; }
   const std::vector<MovingSurface>& surfaces() const { return surfaces_; }
 
-  /// All that later steps depend on, for a restart: exact.
-  std::vector<double> save() const;
-  void restore(std::span<const double> values);
+  std::vector<double> save() const override;
+  void load(std::span<const double> values) override;
 
  private:
   /// What a touch remembers.
@@ -83,7 +87,7 @@ class ContactModel {
   void apply_forces(const StepTimes& times);
   Point3 friction(const Touch& touch, const Spring& spring, const FrictionLaw& law, double normal_force,
                   const StepTimes& times, Memory& memory);
-  void hand_back(std::span<BodyState> bodies, const StepTimes& times);
+  void hand_back(std::span<const BodyState> bodies, const StepTimes& times);
 
   std::vector<MovingSurface> surfaces_;
   std::vector<RigidState> rigid_;

@@ -214,7 +214,7 @@ TEST(ContactForce, HistoryFollowsAVertexFromFaceToFaceAndThroughARestart) {
   const std::vector<double> saved = scene.contact.save();
   scene.evaluate();
   const Eigen::VectorXd expected = scene.bodies[1]->f;
-  scene.contact.restore(saved);
+  scene.contact.load(saved);
   scene.evaluate();
   EXPECT_EQ(scene.bodies[1]->f, expected);
 }

@@ -90,7 +90,7 @@ class Scene {
       body->penalty.setZero();
     }
     auto all = states();
-    contact.evaluate(all, times);
+    contact.add_forces(times, all);
     const auto& e = contact.report().energy;
     energies.contact += e.stored;
     energies.friction += e.friction;
@@ -115,7 +115,7 @@ class Scene {
         gravity += body->masses[i] * body->gravity.dot(body->u.segment<3>(3 * i));
       body->u += times.dt * body->v;
     }
-    contact.advance_rigid(times);
+    contact.advance(times);
     energies.external = gravity;
     for (const auto& body : contact.rigid()) {
       energies.kinetic += body.kinetic_energy();
