@@ -12,7 +12,7 @@ namespace iga::solve {
 /// At one time t_n, since the start of the run; force · length. The order is that of TimeSeries::energy_names.
 struct EnergyBalance {
   double internal = 0; ///< work against internal forces, plastic work included, viscous one and eroded points not
-  double kinetic = 0;  ///< ½ v_{n-1/2} · M v_{n+1/2}, rigid bodies included
+  double kinetic = 0;  ///< see NodeSums::kinetic; rigid bodies included
   double contact = 0;  ///< in contact springs
   double friction = 0;
   double damping = 0;  ///< dissipated: mass-proportional, viscous stress, bulk viscosity, contact damping

@@ -5,6 +5,7 @@
 #include "solver/element_bound.hpp"
 #include "solver/largest_eigenvalue.hpp"
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -43,12 +44,12 @@ MassOperator body_mass(const BodySettings& settings, const SolutionSpace& space,
 
 } // namespace
 
-ExplicitBody::ExplicitBody(const TrimmedModel& model, const BodySettings& settings, const ElasticMaterial& small_strain,
-                           const MakeForces& make_forces)
+ExplicitBody::ExplicitBody(const TrimmedModel& model, const BodySettings& settings, const Law& law)
     : settings_(settings), space_(std::make_unique<SolutionSpace>(model, settings.light)),
       connectivity_(settings.mass == MassType::Lumped ? nullptr : std::make_shared<const Connectivity>(*space_)),
-      small_strain_(small_strain), mass_(body_mass(settings, *space_, connectivity_, small_strain.density)),
-      forces_(make_forces(*space_)) {
+      small_strain_(solve::small_strain(law)),
+      mass_(body_mass(settings, *space_, connectivity_, small_strain_.density)),
+      forces_(forces_of(law, settings.kernel)(*space_)) {
   plain_ = space_->num_nodes() == space_->extension().rows();
   if (!plain_) {
     transposed_ = space_->extension().transpose();

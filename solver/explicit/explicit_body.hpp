@@ -2,7 +2,7 @@
 #pragma once
 
 #include "solver/explicit/contact_body.hpp"
-#include "solver/explicit/internal_forces.hpp"
+#include "solver/explicit/law_kernels.hpp"
 #include "solver/mass_operator.hpp"
 
 #include <functional>
@@ -12,15 +12,13 @@ namespace iga::solve {
 
 struct BodySettings {
   std::string name = "body";
+  KernelOptions kernel = {};
   LightTreatment light = {};
   MassType mass = MassType::Lumped;
   bool stop_at_inverted = false; ///< a point that inverts ends the run
   double damping = 0;            ///< mass-proportional, α of f = -α M v, 1/time
   Point3 acceleration{};         ///< gravity: body force / density, length/time²
 };
-
-/// Makes the internal forces of a space; see make_internal_forces.
-using MakeForces = std::function<std::unique_ptr<InternalForces>(const SolutionSpace&)>;
 
 /// The limit of the time step of the undeformed body.
 struct StartStep {
@@ -35,11 +33,9 @@ struct StartStep {
 /// Vectors (num_unknowns), component fastest, in the part's frame.
 class ExplicitBody {
  public:
-  /// @param model         must outlive the body
-  /// @param small_strain  the law's tangent at rest and its density
+  /// @param model  must outlive the body
   /// @throws InputError for the consistent mass, which an explicit step cannot divide by; a damping below 0
-  ExplicitBody(const TrimmedModel& model, const BodySettings& settings, const ElasticMaterial& small_strain,
-               const MakeForces& make_forces);
+  ExplicitBody(const TrimmedModel& model, const BodySettings& settings, const Law& law);
 
   const BodySettings& settings() const { return settings_; }
   const SolutionSpace& space() const { return *space_; }

@@ -29,6 +29,9 @@ void Integrator::prepare(std::vector<StartStep> limits) {
   inverted_.assign(n, 0);
   eroded_.assign(n, 0);
   for (std::size_t b = 0; b < n; ++b) {
+    const Point3 h = bodies_[b]->space().model().grid.span_size();
+    InternalForces& forces = bodies_[b]->forces();
+    forces.set_frequency_ratio(limits_[b].omega * std::min({h[0], h[1], h[2]}) / (2 * forces.reference_wave_speed()));
     if (!loads_.empty()) external_[b].load.resize(bodies_[b]->num_unknowns());
     if (!penalties_.empty()) {
       external_[b].penalty.resize(bodies_[b]->num_unknowns());
@@ -69,6 +72,20 @@ void Integrator::drift() {
   time_ = dt_next_ >= settings_.end_time - time_ ? settings_.end_time : time_ + dt_next_;
   dt_last_ = dt_next_;
   ++steps_;
+}
+
+void Integrator::follow(double limit) {
+  StepControl& control = control_;
+  if (steps_ == 0) control = {limit, limit, limit, limit, 0};
+  control.least = std::min(control.least, limit);
+  if (++control.count >= settings_.hold) {
+    control.target = std::max(control.target, std::min(control.least_before, control.least));
+    control.least_before = control.least;
+    control.least = limit;
+    control.count = 0;
+  }
+  control.target = std::min(control.target, limit);
+  control.dt = std::min(control.target, settings_.growth * control.dt);
 }
 
 StepTimes Integrator::times() const {
@@ -124,8 +141,8 @@ void Integrator::choose_step() {
         time_, dt, settings_.floor, first, bodies_[limiting]->settings().name,
         place(limiting, reports_[limiting].step_span), reports_[limiting].min_J));
   if (settings_.largest_dt > 0) dt = std::min(dt, settings_.largest_dt);
-  if (steps_ > 0) dt = std::min(dt, settings_.growth * dt_control_);
-  dt_control_ = dt;
+  follow(dt);
+  dt = control_.dt;
   // The last two steps share what is left, so that none is tiny.
   const double left = settings_.end_time - time_;
   if (left > 0 && dt >= left * (1 - 1e-9))
@@ -267,7 +284,7 @@ IntegratorState Integrator::save() const {
   state.time = time_;
   state.dt_last = dt_last_;
   state.dt_next = dt_next_;
-  state.dt_control = dt_control_;
+  state.control = control_;
   state.steps = steps_;
   state.closed = closed_;
   state.open = open_;
@@ -303,7 +320,7 @@ void Integrator::load(const IntegratorState& state, std::vector<StartStep> limit
   time_ = state.time;
   dt_last_ = state.dt_last;
   dt_next_ = state.dt_next;
-  dt_control_ = state.dt_control;
+  control_ = state.control;
   steps_ = state.steps;
   closed_ = state.closed;
   open_ = state.open;

@@ -9,9 +9,12 @@ namespace iga::solve {
 
 struct IntegratorSettings {
   double end_time = 0;
-  double safety = 0.9;        ///< of the critical step; 0.67 for violent crushing
-  double largest_dt = 0;      ///< 0: no other limit than stability
-  double growth = 1.02;       ///< from one step to the next at most
+  double safety = 0.9;   ///< of the critical step; 0.67 for violent crushing
+  double largest_dt = 0; ///< 0: no other limit than stability
+  /// A step that followed every breath of the body would pump energy into it. It shrinks at once where it must, and
+  /// grows only to what has been allowed throughout this many steps, at most by `growth` from one to the next.
+  int hold = 200;
+  double growth = 1.02;
   double floor = 1e-4;        ///< a step below this share of the first one ends the run
   double energy_limit = 0;    ///< relative error of the energy balance that ends the run; 0: none does
   std::int64_t max_steps = 0; ///< 0: as many as it takes
@@ -21,6 +24,14 @@ struct IntegratorSettings {
 /// it.
 struct Works {
   double internal = 0, load = 0, damping = 0, viscous = 0;
+};
+
+/// The step as stability alone would have it: what was allowed lately.
+struct StepControl {
+  double dt = 0;                      ///< now
+  double target = 0;                  ///< what it may grow to
+  double least_before = 0, least = 0; ///< limit of the last complete window of steps, and of the one that runs
+  std::int64_t count = 0;             ///< steps of that one
 };
 
 /// Everything that changes in a run, as plain numbers: a run that loads it goes on bit for bit.
@@ -34,7 +45,8 @@ struct IntegratorState {
   };
   std::vector<Body> bodies;
   std::vector<std::vector<double>> penalties;
-  double time = 0, dt_last = 0, dt_next = 0, dt_control = 0, kinetic = 0;
+  double time = 0, dt_last = 0, dt_next = 0, kinetic = 0;
+  StepControl control;
   std::int64_t steps = 0;
   Works closed, open;
   PenaltyEnergy penalty;
@@ -90,6 +102,7 @@ class Integrator {
   void kick();
   void evaluate_internal();
   void choose_step();
+  void follow(double limit);
   StepTimes times() const;
   void evaluate_external();
   void kick_body(std::size_t b);
@@ -109,7 +122,8 @@ class Integrator {
   std::vector<External> external_;
   std::vector<MomentumBalance> momenta_;
   std::vector<std::int64_t> inverted_, eroded_;
-  double time_ = 0, dt_last_ = 0, dt_next_ = 0, dt_control_ = 0;
+  double time_ = 0, dt_last_ = 0, dt_next_ = 0;
+  StepControl control_;
   std::int64_t steps_ = 0;
   EnergyBalance energy_;
   double kinetic_ = 0;  // of the bodies

@@ -7,6 +7,19 @@
 
 namespace iga::solve {
 
+/// What the kernel does besides asking the law.
+struct KernelOptions {
+  /// Bulk viscosity in compression, von Neumann and Richtmyer (1950), Landshoff (1955): pressure
+  /// q = ρ l tr D (Q1 l tr D - Q2 c), l = h J^(1/3). Both 0: none.
+  double quadratic_viscosity = 0; ///< Q1, often 1.5
+  double linear_viscosity = 0;    ///< Q2, often 0.06
+  bool erode_inverted = false;    ///< points that invert are taken out for good
+  double erosion_J = 0;           ///< so are those whose det F falls below this; 0: none
+
+  bool viscous() const { return quadratic_viscosity > 0 || linear_viscosity > 0; }
+  bool erodes() const { return erode_inverted || erosion_J > 0; }
+};
+
 /// What one evaluation found besides the forces. Spans are active spans, -1 for none. All numbers are the same for any
 /// number of threads.
 struct ForceReport {
@@ -27,6 +40,7 @@ struct ForceReport {
 struct PointHistory {
   std::vector<double> history; ///< (blocks × Law::history × 8)
   std::vector<double> F_old;   ///< (blocks × 9 × 8), or empty
+  std::vector<double> extra;   ///< of bulk viscosity and erosion; or empty
 };
 
 class InternalForces {
@@ -38,6 +52,9 @@ class InternalForces {
   virtual ForceReport evaluate(const double* u, double dt, double* f) = 0;
   /// Speed of the fastest wave in the undeformed body.
   virtual double reference_wave_speed() const = 0;
+  /// κ = ω_max length / (2 c) of the undeformed body, 1 at first: what viscous stress costs in the time step depends on
+  /// it, see LawOutput::damping_ratio.
+  virtual void set_frequency_ratio(double kappa) = 0;
   virtual const SpanPlan& plan() const = 0;
   /// Memory of points, tables and plan, bytes.
   virtual std::int64_t memory() const = 0;

@@ -38,7 +38,8 @@ struct LawOutput {
   /// Viscous (rate) share of the power: damping stress : D · J, power / reference volume; 0 without damping. The rest
   /// of P : Ḟ is internal energy and plastic work.
   Lanes viscous_power;
-  /// Stiffness-like share of a damping at ω_max: ξ of dt ≤ dt_0 (√(1 + ξ²) - ξ); 0 without damping.
+  /// Stiffness-like share of a damping: ξ of dt ≤ dt_0 (√(1 + ξ²) - ξ) for ω_max = 2 c / length; 0 without damping.
+  /// Where the untouched body has ω_max length / (2 c) = κ, the ratio is κ ξ.
   Lanes damping_ratio;
 };
 

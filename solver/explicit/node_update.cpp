@@ -1,5 +1,7 @@
 #include "solver/explicit/node_update.hpp"
 
+#include <Eigen/Geometry>
+
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -16,6 +18,7 @@ using Eigen::VectorXd;
 constexpr Index chunk = 1024; // nodes; what is read of them stays in the cache
 
 template <class Visit> void for_chunks(Index nodes, Visit visit) {
+  if (nodes <= chunk) return visit(0, 0, nodes);
   tbb::parallel_for(Index{0}, (nodes + chunk - 1) / chunk,
                     [&](Index c) { visit(c, c * chunk, std::min(nodes, (c + 1) * chunk)); });
 }
@@ -39,7 +42,9 @@ class Update {
  public:
   Update(ExplicitBody& body, const NodeForces& forces)
       : body_(body), forces_(forces), weight_(body.weight().size() > 0), alpha_(body.settings().damping),
-        is_first_(forces.dt_last == 0), h_((forces.dt_last + forces.dt_next) / 2) {}
+        is_first_(forces.dt_last == 0), h_((forces.dt_last + forces.dt_next) / 2),
+        next_share_(forces.dt_next / (2 * h_)),
+        difference_share_(is_first_ ? 0.5 : forces.dt_last * forces.dt_next / (8 * h_ * h_)) {}
 
   Vector3d load(Index n) const {
     Vector3d f = Vector3d::Zero();
@@ -67,8 +72,9 @@ class Update {
     sums.after.internal += f_internal.dot(v);
     sums.after.load += f_load.dot(v);
     sums.after.damping -= f_damping.dot(v);
-    // At the start p_{-1/2} is p_0 less what the half step adds.
-    sums.kinetic += 0.5 * (is_first_ ? Vector3d(2 * p_last - p) : p_last).dot(v);
+    const Vector3d p_now = is_first_ ? p_last : Vector3d(next_share_ * p_last + (1 - next_share_) * p);
+    const Vector3d v_now = is_first_ ? v_last : Vector3d(next_share_ * v_last + (1 - next_share_) * v);
+    sums.kinetic += 0.5 * p_now.dot(v_now) - difference_share_ * (p - p_last).dot(v - v_last);
     sums.linear += p;
     sums.angular += x.cross(p);
     const Vector3d impulse = h_ * (f_load + f_penalty + f_damping);
@@ -83,6 +89,8 @@ class Update {
   const double alpha_;
   const bool is_first_;
   const double h_;
+  const double next_share_;       // of what was before t_n in what is at t_n, by linear interpolation
+  const double difference_share_; // dt_last dt_next / 8 in units of h²
 };
 
 } // namespace

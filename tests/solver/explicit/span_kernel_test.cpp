@@ -2,7 +2,7 @@
 #include "solver/explicit/span_kernel.hpp"
 
 #include "solver/assemble.hpp"
-#include "tests/solver/test_law.hpp"
+#include "solver/explicit/laws/laws.hpp"
 #include "tests/support/synthetic_model.hpp"
 
 #include <Eigen/Geometry>
@@ -69,7 +69,7 @@ TEST_P(SpanKernels, SmallDisplacementsGiveTheForcesOfTheStiffness) {
   for (const LightFunctions remedy : {LightFunctions::None, LightFunctions::Linear}) {
     const SolutionSpace space(model, {remedy, 0.05});
     const auto K = assemble_stiffness(space, std::make_shared<const Connectivity>(space), material);
-    const auto kernel = make_internal_forces(space, test::Linear{density, lambda, mu});
+    const auto kernel = make_internal_forces(space, LinearElastic(isotropic(young, poisson, density)));
     const VectorXd u = some_vector(space.num_unknowns(), 1), expected = K * u;
     const VectorXd f = gather(space, forces_of(*kernel, space.expand(u)));
     EXPECT_LT((f - expected).norm(), 1e-13 * expected.norm());
@@ -87,7 +87,7 @@ TEST_P(SpanKernels, ConstantStressIsHeldByTheTractionOnTheSurface) {
   const Matrix3d P = mu * (F - inverse) + lambda * std::log(F.determinant()) * inverse;
   for (const LightFunctions remedy : {LightFunctions::None, LightFunctions::Linear}) {
     const SolutionSpace space(model, {remedy, 0.05});
-    const auto kernel = make_internal_forces(space, test::NeoHooke{density, lambda, mu});
+    const auto kernel = make_internal_forces(space, neo_hookean(young, poisson, density));
     const VectorXd f =
         gather(space, forces_of(*kernel, space.expand(linear_field(space, G, Eigen::Vector3d(1, 2, 3)))));
     VectorXd expected = VectorXd::Zero(f.size());
@@ -112,7 +112,7 @@ TEST_P(SpanKernels, FiniteRigidMotionsGiveNoForce) {
   const Matrix3d Q = matrix(test::some_rotation(0.52));
   for (const LightFunctions remedy : {LightFunctions::None, LightFunctions::Linear}) {
     const SolutionSpace space(model, {remedy, 0.05});
-    const auto kernel = make_internal_forces(space, test::NeoHooke{density, lambda, mu});
+    const auto kernel = make_internal_forces(space, neo_hookean(young, poisson, density));
     const VectorXd u = linear_field(space, Q - Matrix3d::Identity(), Eigen::Vector3d(10, -5, 2));
     EXPECT_LT(forces_of(*kernel, space.expand(u)).lpNorm<Eigen::Infinity>(), 1e-13);
   }
@@ -126,8 +126,8 @@ TEST_P(SpanKernels, ForcesTurnWithTheGrid) {
   const SolutionSpace space(straight, {}), turned_space(turned, {});
   VectorXd u = some_vector(space.num_unknowns(), 0.02), v = u;
   for (Eigen::Index n = 0; n < space.num_nodes(); ++n) v.segment<3>(3 * n) = matrix(R) * u.segment<3>(3 * n);
-  VectorXd f = forces_of(*make_internal_forces(space, test::NeoHooke{density, lambda, mu}), u);
-  const VectorXd g = forces_of(*make_internal_forces(turned_space, test::NeoHooke{density, lambda, mu}), v);
+  VectorXd f = forces_of(*make_internal_forces(space, neo_hookean(young, poisson, density)), u);
+  const VectorXd g = forces_of(*make_internal_forces(turned_space, neo_hookean(young, poisson, density)), v);
   for (Eigen::Index n = 0; n < space.num_nodes(); ++n) f.segment<3>(3 * n) = (matrix(R) * f.segment<3>(3 * n)).eval();
   EXPECT_LT((f - g).norm(), 1e-12 * g.norm());
 }
@@ -135,7 +135,7 @@ TEST_P(SpanKernels, ForcesTurnWithTheGrid) {
 TEST_P(SpanKernels, ResultantAndMomentOfInternalForcesVanish) {
   const TrimmedModel model = test::make_box_model(a_box(GetParam()));
   const SolutionSpace space(model, {LightFunctions::Linear, 0.05});
-  const auto kernel = make_internal_forces(space, test::NeoHooke{density, lambda, mu});
+  const auto kernel = make_internal_forces(space, neo_hookean(young, poisson, density));
   const VectorXd u = some_vector(space.num_unknowns(), 0.02);
   const VectorXd f = gather(space, forces_of(*kernel, space.expand(u)));
   const auto points = space.node_points();
@@ -159,7 +159,7 @@ TEST_P(SpanKernels, AnyNumberOfThreadsGivesTheSameBits) {
   std::vector<ForceReport> reports;
   for (const std::size_t threads : {1, 2, 5}) {
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-    const auto kernel = make_internal_forces(space, test::NeoHooke{density, lambda, mu});
+    const auto kernel = make_internal_forces(space, neo_hookean(young, poisson, density));
     VectorXd f(u.size());
     reports.push_back(kernel->evaluate(u.data(), 0, f.data()));
     results.push_back(f);
