@@ -2,9 +2,12 @@
 #include "format/model/errors.hpp"
 #include "format/model/vec3.hpp"
 #include "solver/explicit/contact/closest_point.hpp"
+#include "solver/explicit/contact/tool_mesh.hpp"
 #include "tests/solver/explicit/contact_scene.hpp"
+#include "tests/support/temp_folder.hpp"
 
 #include <algorithm>
+#include <fstream>
 #include <gtest/gtest.h>
 #include <random>
 
@@ -218,4 +221,36 @@ TEST(RigidState, FallsAndFollowsItsTable) {
   EXPECT_THROW(RigidState({"bad", SphereShape{-1}, {}, FixedMotion{}}), InputError);
   motion.inertia = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 5}}};
   EXPECT_THROW(RigidState({"bad", SphereShape{1}, {}, motion}), InputError);
+}
+
+TEST(ToolMesh, ASolidBoxFromAnStlHasItsMassAndInertia) {
+  const TempFolder folder;
+  const auto write = [&](const char* name, bool turned, std::size_t leave_out) {
+    const MeshShape box = box_shape({1, 2, 3});
+    std::ofstream out(folder.path() / name);
+    out << "solid box\n";
+    for (std::size_t f = leave_out; f < box.mesh.triangles.size(); ++f) {
+      Triangle t = box.mesh.triangles[f];
+      if (turned) std::swap(t[0], t[1]);
+      out << "facet normal 0 0 0\nouter loop\n";
+      for (const std::int32_t v : t) {
+        const Point3 x = plus(box.mesh.vertices[static_cast<std::size_t>(v)], {5, 6, 7});
+        out << "vertex " << x[0] << ' ' << x[1] << ' ' << x[2] << '\n';
+      }
+      out << "endloop\nendfacet\n";
+    }
+    out << "endsolid\n";
+    return folder.path() / name;
+  };
+  const ToolMesh tool = read_tool(write("box.stl", false, 0), 2);
+  EXPECT_NEAR(norm(minus(tool.centre, {10, 12, 14})), 0, 1e-12);
+  EXPECT_EQ(tool.shape.mesh.vertices.size(), 8u);
+  const FreeMotion motion = solid_tool(tool, 0.5);
+  EXPECT_NEAR(motion.mass, 0.5 * 48 * 8, 1e-10);
+  EXPECT_NEAR(motion.inertia[0][0], motion.mass / 12 * (64 + 144), 1e-9);
+  EXPECT_NEAR(motion.inertia[2][2], motion.mass / 12 * (16 + 64), 1e-9);
+  EXPECT_NEAR(motion.inertia[0][1], 0, 1e-9);
+  EXPECT_THROW(read_tool(write("turned.stl", true, 0)), InputError);
+  EXPECT_THROW(read_tool(write("open.stl", false, 1)), InputError);
+  EXPECT_THROW(read_tool(folder.path() / "missing.stl"), InputError);
 }
