@@ -20,26 +20,35 @@ double coefficient(const FrictionLaw& law, double speed, bool slides) {
   return slides ? law.dynamic_coefficient : law.static_coefficient;
 }
 
+/// c = 2 ξ √(k m) with m = k dt² / η.
+double damping_of(const ContactPair& pair, double k, double dt) {
+  return pair.stiffness > 0 ? 2 * pair.damping / std::sqrt(pair.stiffness) * k * dt : 0;
+}
+
 } // namespace
 
-Point3 ContactModel::friction(const Touch& touch, const Spring& spring, const FrictionLaw& law, double normal_force,
+Point3 ContactModel::friction(const Touch& touch, const Spring& spring, const ContactPair& pair, double normal_force,
                               const StepTimes& times, Memory& memory) {
   const double k = spring.stiffness * spring.scale;
   if (k <= 0) return memory.traction = {};
   const Point3 sliding = minus(spring.velocity, iga::times(touch.normal, dot(spring.velocity, touch.normal)));
-  const double mu = coefficient(law, norm(sliding), memory.sliding > 0), limit = mu * normal_force;
+  const double mu = coefficient(pair.friction, norm(sliding), memory.sliding > 0), limit = mu * normal_force;
   // The stored force follows the surface: turned into the tangent plane at its length.
   const double before = norm(memory.traction);
-  Point3 t = minus(memory.traction, iga::times(touch.normal, dot(memory.traction, touch.normal)));
-  if (const double left = norm(t); left > 0) t = iga::times(t, before / left);
-  t = minus(t, iga::times(sliding, k * times.dt_last));
-  const double trial = norm(t);
-  memory.sliding = trial > limit ? 1 : 0;
-  if (trial > limit) {
-    t = iga::times(t, limit / trial);
-    report_.energy.friction += 0.5 * (std::min(before, trial) + limit) * (trial - limit) / k;
+  Point3 elastic = minus(memory.traction, iga::times(touch.normal, dot(memory.traction, touch.normal)));
+  if (const double left = norm(elastic); left > 0) elastic = iga::times(elastic, before / left);
+  elastic = minus(elastic, iga::times(sliding, k * times.dt_last));
+  const double c = damping_of(pair, k, times.dt), trial = norm(elastic);
+  const Point3 total = minus(elastic, iga::times(sliding, c));
+  const double size = norm(total);
+  memory.sliding = size > limit ? 1 : 0;
+  if (size <= limit) {
+    report_.energy.damping += c * dot(sliding, sliding) * times.dt_last;
+    memory.traction = elastic;
+    return total;
   }
-  return memory.traction = t;
+  report_.energy.friction += 0.5 * (std::min(before, trial) + limit) * std::max(0.0, trial - limit) / k;
+  return memory.traction = iga::times(total, limit / size);
 }
 
 void ContactModel::apply_forces(const StepTimes& times) {
@@ -54,10 +63,9 @@ void ContactModel::apply_forces(const StepTimes& times) {
     const double elastic = k * depth;
     double normal_force = elastic;
     if (depth > 0 && settings.damping > 0)
-      normal_force =
-          std::max(0.0, elastic - 2 * settings.damping / std::sqrt(settings.stiffness) * k * times.dt * opening);
+      normal_force = std::max(0.0, elastic - damping_of(settings, k, times.dt) * opening);
     report_.energy.damping -= (normal_force - elastic) * opening * times.dt_last;
-    const Point3 tangential = friction(touch, spring, settings.friction, normal_force, times, memory);
+    const Point3 tangential = friction(touch, spring, settings, normal_force, times, memory);
     const Point3 force = plus(iga::times(touch.normal, normal_force), tangential);
     for (int i = 0; i < touch.count; ++i) {
       const Touch::Entry& e = touch.entries[at(i)];

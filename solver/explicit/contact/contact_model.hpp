@@ -85,7 +85,7 @@ class ContactModel : public PenaltySource {
   Eigen::VectorXd sum_at_nodes(const MovingSurface& surface, const std::vector<double>& at_vertices) const;
 
   void apply_forces(const StepTimes& times);
-  Point3 friction(const Touch& touch, const Spring& spring, const FrictionLaw& law, double normal_force,
+  Point3 friction(const Touch& touch, const Spring& spring, const ContactPair& pair, double normal_force,
                   const StepTimes& times, Memory& memory);
   void hand_back(std::span<const BodyState> bodies, const StepTimes& times);
 

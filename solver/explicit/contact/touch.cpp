@@ -19,9 +19,9 @@ constexpr double touching = 1e-6;
 // Deepest penetration that is seen, as a share of the thickness behind a face: beyond the middle of a wall the other
 // side is nearer.
 constexpr double seen_share = 0.5;
-// Faces whose normals are turned away from the contact's direction by less than 10 degrees beyond square have no part
-// in it.
-constexpr double least_facing = 0.17;
+// Faces take part in a contact where their normals oppose it by more than 6 degrees beyond square: the side of a block
+// has nothing to do with what stands on it, though it is as near to the edges.
+constexpr double least_facing = 0.1;
 constexpr std::size_t grain = 64;
 
 /// Reference area of the faces around a vertex that look against `normal`.
@@ -52,6 +52,28 @@ struct Nearest {
   std::int32_t face = -1;
 };
 
+/// Unit normals of the chosen faces around a vertex; no more than are looked at.
+struct RingNormals {
+  std::array<Point3, 16> normal;
+  std::size_t count = 0;
+  bool oppose(const Point3& n) const {
+    const double length = norm(n);
+    for (std::size_t i = 0; i < count; ++i)
+      if (dot(normal[i], n) < -least_facing * length) return true;
+    return false;
+  }
+};
+
+RingNormals ring_normals(const MovingSurface& s, const SideMask& mask, std::int32_t v) {
+  RingNormals ring;
+  for (const std::int32_t f : s.mesh().faces_of(v)) {
+    if (!mask.face[at(f)] || ring.count == ring.normal.size()) continue;
+    const Point3 n = s.normal_now(f);
+    if (const double length = norm(n); length > 0) ring.normal[ring.count++] = times(n, 1 / length);
+  }
+  return ring;
+}
+
 } // namespace
 
 std::optional<Touch> touch_face(const PairSearch& search, std::size_t pass_number, std::size_t candidate,
@@ -62,11 +84,14 @@ std::optional<Touch> touch_face(const PairSearch& search, std::size_t pass_numbe
   const Point3& x = slave.x(v);
   Nearest best;
   best.on.distance2 = std::numeric_limits<double>::infinity();
+  const RingNormals own_faces = ring_normals(slave, search.mask(pass.slave), v);
   for (std::size_t k = pass.offsets[candidate]; k < pass.offsets[candidate + 1]; ++k) {
+    if (!own_faces.oppose(master.normal_now(pass.faces[k]))) continue;
     const Triangle& t = master.mesh().triangles[at(pass.faces[k])];
     const ClosestOnTriangle on = closest_on_triangle(x, master.x(t[0]), master.x(t[1]), master.x(t[2]));
     if (on.distance2 < best.on.distance2) best = {on, pass.faces[k]};
   }
+  if (best.face < 0) return std::nullopt;
   const Point3 away = minus(x, best.on.position);
   const Point3 outward = master.pseudo_normal(best.face, best.on.feature);
   if (!(dot(away, outward) < 0)) return std::nullopt;

@@ -3,7 +3,7 @@
 #include "format/model/errors.hpp"
 #include "solver/in_order.hpp"
 
-#include <Eigen/LU>
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 namespace iga::solve {
