@@ -23,4 +23,8 @@ void measure_fitting(BenchCase& part, int degree);
 /// Assembly of the solver's matrices: quadrature points per second; products with them: entries per second.
 void measure_solver(BenchCase& part, int degree);
 
+/// Contact forces of a cube of 25³ spans with triangles of 4 % of its side: surface vertices per second, with the broad
+/// phases they need while the cube moves by 3e-4 of its side per evaluation.
+void measure_contact();
+
 } // namespace iga::bench

@@ -78,7 +78,7 @@ void ContactModel::share_budget(std::span<const BodyState> bodies, const StepTim
         for (const std::int32_t v : mesh.triangles[f])
           sums[at(v)] += strongest * density[at(v)] * facing * mesh.face_area[f] / 3 * surface.weight_sum(v);
       }
-      const Eigen::VectorXd at_nodes = sum_at_nodes(surface, sums);
+      const Eigen::VectorXd at_nodes = sum_at_nodes(surface, surface.nodes(), sums);
       for (const std::int32_t i : surface.nodes())
         share[i] = std::min(share[i], share_of(room(bodies[surface.owner()], at(i), times), at_nodes[i]));
     }
@@ -137,10 +137,10 @@ void ContactModel::sum_at_vertices(bool scaled) {
   }
 }
 
-Eigen::VectorXd ContactModel::sum_at_nodes(const MovingSurface& surface, const std::vector<double>& at_vertices) const {
+Eigen::VectorXd ContactModel::sum_at_nodes(const MovingSurface& surface, const std::vector<std::int32_t>& nodes,
+                                           const std::vector<double>& at_vertices) const {
   const SparseRows& T = surface.columns();
   Eigen::VectorXd sums = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(T.rows()));
-  const auto& nodes = surface.nodes();
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, nodes.size(), grain), [&](const auto& range) {
     for (std::size_t k = range.begin(); k != range.end(); ++k) {
       const std::size_t i = at(nodes[k]);
@@ -171,13 +171,18 @@ void ContactModel::keep_within_budget(std::span<const BodyState> bodies, const S
     }
   }
   sum_at_vertices(false);
-  std::vector<Eigen::VectorXd> share(surfaces_.size());
+  std::vector<Eigen::VectorXd> sums(surfaces_.size()), share(surfaces_.size());
+  const auto sum_up = [&] {
+    for (std::size_t s = 0; s < surfaces_.size(); ++s)
+      if (!surfaces_[s].is_rigid()) sums[s] = sum_at_nodes(surfaces_[s], surfaces_[s].active_nodes(), vertex_sum_[s]);
+  };
+  sum_up();
   double least = 1;
   for (std::size_t s = 0; s < surfaces_.size(); ++s) {
     if (surfaces_[s].is_rigid()) continue;
-    share[s] = sum_at_nodes(surfaces_[s], vertex_sum_[s]);
+    share[s] = Eigen::VectorXd::Ones(sums[s].size());
     for (const std::int32_t i : surfaces_[s].active_nodes()) {
-      share[s][i] = share_of(room(bodies[surfaces_[s].owner()], at(i), times), share[s][i]);
+      share[s][i] = share_of(room(bodies[surfaces_[s].owner()], at(i), times), sums[s][i]);
       least = std::min(least, share[s][i]);
     }
   }
@@ -199,10 +204,12 @@ void ContactModel::keep_within_budget(std::span<const BodyState> bodies, const S
       }
       if (touch.rigid >= 0) springs_[c].scale = std::min(springs_[c].scale, rigid_share[at(touch.rigid)]);
     }
-  if (least < 1) sum_at_vertices(true);
+  if (least < 1) {
+    sum_at_vertices(true);
+    sum_up();
+  }
   for (std::size_t s = 0; s < surfaces_.size(); ++s)
-    if (!surfaces_[s].is_rigid())
-      *bodies[surfaces_[s].owner()].penalty_sum += sum_at_nodes(surfaces_[s], vertex_sum_[s]);
+    if (!surfaces_[s].is_rigid()) *bodies[surfaces_[s].owner()].penalty_sum += sums[s];
 }
 
 } // namespace iga::solve

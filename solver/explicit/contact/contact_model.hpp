@@ -82,7 +82,8 @@ class ContactModel : public PenaltySource {
   void keep_within_budget(std::span<const BodyState> bodies, const StepTimes& times);
   void weigh_rigid(const StepTimes& times);
   void sum_at_vertices(bool scaled);
-  Eigen::VectorXd sum_at_nodes(const MovingSurface& surface, const std::vector<double>& at_vertices) const;
+  Eigen::VectorXd sum_at_nodes(const MovingSurface& surface, const std::vector<std::int32_t>& nodes,
+                               const std::vector<double>& at_vertices) const;
 
   void apply_forces(const StepTimes& times);
   Point3 friction(const Touch& touch, const Spring& spring, const ContactPair& pair, double normal_force,

@@ -112,10 +112,13 @@ TEST(ContactInTime, BlockSlidesOnAnInclineAsCoulombSays) {
         sum += scene.bodies[0]->masses[i] * scene.bodies[0]->u[3 * i] / mass;
       return sum;
     };
-    while (scene.times.time < 1) scene.step();
+    while (scene.times.time < 2) { // settles
+      scene.step();
+      scene.bodies[0]->v *= 0.9;
+    }
     const double t = scene.times.time, v = speed(), x = way();
     double friction = scene.energies.friction;
-    while (scene.times.time < 3) {
+    while (scene.times.time < 4) {
       scene.step();
       ASSERT_GE(scene.energies.friction, friction);
       friction = scene.energies.friction;
@@ -126,7 +129,7 @@ TEST(ContactInTime, BlockSlidesOnAnInclineAsCoulombSays) {
                 moved);
     if (mu < std::tan(angle)) {
       EXPECT_NEAR(acceleration, expected, 0.01 * g);
-    } else { // it stays, trembling on its springs
+    } else { // it stays
       EXPECT_LT(std::abs(moved), 2e-3);
     }
   }
