@@ -117,8 +117,8 @@ PairSearch::PairSearch(ContactPair pair, const std::vector<MovingSurface>& surfa
     }
     second_ = at(tool[r]);
     second_mask_ = make_mask(surfaces[second_], {}, pair_.name);
-    vertex_face_.push_back({first_, second_, 1, false, {}, {}, {}});
-    if (pair_.edges) vertex_face_.push_back({second_, first_, 1, true, {}, {}, {}});
+    vertex_face_.push_back({first_, second_, 1, false, {}, {}, {}, {}});
+    if (pair_.edges) vertex_face_.push_back({second_, first_, 1, true, {}, {}, {}, {}});
   } else {
     second_ = pair_.second.number;
     if (!is_deformable(second_))
@@ -126,8 +126,8 @@ PairSearch::PairSearch(ContactPair pair, const std::vector<MovingSurface>& surfa
     self_ = first_ == second_;
     skin_ = skin * std::min(h, surfaces[second_].span_size());
     second_mask_ = make_mask(surfaces[second_], pair_.second.regions, pair_.name);
-    vertex_face_.push_back({first_, second_, 0.5, false, {}, {}, {}});
-    if (!self_) vertex_face_.push_back({second_, first_, 0.5, false, {}, {}, {}});
+    vertex_face_.push_back({first_, second_, 0.5, false, {}, {}, {}, {}});
+    if (!self_) vertex_face_.push_back({second_, first_, 0.5, false, {}, {}, {}, {}});
     if (self_) {
       // One pass finds both sides: whoever is named on either side takes part.
       for (std::size_t f = 0; f < first_mask_.face.size(); ++f) first_mask_.face[f] |= second_mask_.face[f];
@@ -189,7 +189,7 @@ void PairSearch::look(const std::vector<MovingSurface>& surfaces, std::span<cons
   const double apart = self_ || second_ == npos ? 0 : gap_between(box_of(surfaces[first_]), box_of(surfaces[second_]));
   for (std::size_t p = 0; p < vertex_face_.size(); ++p) {
     VertexFaceCandidates& pass = vertex_face_[p];
-    if (apart > skin_) {
+    if (apart > skin_ && !first_look_) {
       pass.vertex.clear();
       pass.faces.clear();
       pass.offsets = {0};
@@ -222,7 +222,10 @@ void PairSearch::look_at_faces(VertexFaceCandidates& pass, std::size_t number,
   const SideMask &vertices = mask(pass.slave), &faces = mask(pass.master);
   std::vector<Box3> boxes(master.mesh().triangles.size());
   for (std::size_t f = 0; f < boxes.size(); ++f) boxes[f] = box_of(master, master.mesh().triangles[f]);
-  const Bvh tree(boxes);
+  if (first_look_)
+    pass.tree = Bvh(boxes);
+  else
+    pass.tree.refit(boxes);
   // A face that a vertex enters was within the skin of it; what lies next to the entered one within twice that.
   double first_reach = 0;
   if (first_look_ && !self_)
@@ -234,7 +237,7 @@ void PairSearch::look_at_faces(VertexFaceCandidates& pass, std::size_t number,
       const auto v = static_cast<std::int32_t>(i);
       const Point3& x = slave.x(v);
       const double reach = 2 * skin_ + std::max(first_reach, depth_of(number, v));
-      tree.each_overlap(grown({x, x}, reach), [&](std::int32_t f) {
+      pass.tree.each_overlap(grown({x, x}, reach), [&](std::int32_t f) {
         if (!faces.face[at(f)] || (self_ && are_neighbours(master.mesh(), v, f))) return;
         const Triangle& t = master.mesh().triangles[at(f)];
         if (closest_on_triangle(x, master.x(t[0]), master.x(t[1]), master.x(t[2])).distance2 <= reach * reach)
