@@ -24,6 +24,28 @@ constexpr double neighbour_spans = 1.5;
 // … and with normals that agree this well.
 constexpr double neighbour_cosine = 0.5;
 
+// Faces within the skin are looked at for every vertex: of triangles much finer than spans that would be many.
+constexpr double skin_edges = 0.5;
+// A vertex away from sharp edges has nothing to do with faces that look its own way, by this cosine.
+constexpr double same_way = 0.75;
+
+/// Edge of an equilateral triangle of the mean area.
+double typical_edge(const MovingSurface& s) {
+  double area = 0;
+  for (const double a : s.mesh().face_area) area += a;
+  return std::sqrt(4 / std::sqrt(3.0) * area /
+                   static_cast<double>(std::max<std::size_t>(s.mesh().face_area.size(), 1)));
+}
+
+std::vector<Point3> unit_normals(const MovingSurface& s) {
+  std::vector<Point3> normals(s.mesh().triangles.size());
+  for (std::size_t f = 0; f < normals.size(); ++f) {
+    normals[f] = s.normal_now(static_cast<std::int32_t>(f));
+    if (const double length = norm(normals[f]); length > 0) normals[f] = times(normals[f], 1 / length);
+  }
+  return normals;
+}
+
 SideMask make_mask(const MovingSurface& s, const std::vector<std::string>& regions, const std::string& pair) {
   SideMask mask;
   const auto& names = s.region_names();
@@ -135,6 +157,8 @@ PairSearch::PairSearch(ContactPair pair, const std::vector<MovingSurface>& surfa
     }
   }
   least_reference_distance_ = neighbour_spans * h;
+  skin_ = std::min(skin_, skin_edges * typical_edge(surfaces[first_]));
+  if (!surfaces[second_].is_rigid()) skin_ = std::min(skin_, skin_edges * typical_edge(surfaces[second_]));
   if (pair_.edges) edges_.push_back({first_, second_, {}});
 }
 
@@ -230,6 +254,13 @@ void PairSearch::look_at_faces(VertexFaceCandidates& pass, std::size_t number,
   double first_reach = 0;
   if (first_look_ && !self_)
     for (const double thickness : master.mesh().thickness) first_reach = std::max(first_reach, 0.5 * thickness);
+  const std::vector<Point3> normals = self_ ? unit_normals(master) : std::vector<Point3>{};
+  const auto looks_same_way = [&](std::int32_t v, std::int32_t f) {
+    if (slave.mesh().is_sharp[at(v)]) return false;
+    for (const std::int32_t own : slave.mesh().faces_of(v))
+      if (dot(normals[at(own)], normals[at(f)]) < same_way) return false;
+    return true;
+  };
   std::vector<std::vector<std::int32_t>> found(slave.mesh().vertices.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, found.size(), 64), [&](const auto& range) {
     for (std::size_t i = range.begin(); i != range.end(); ++i) {
@@ -238,7 +269,8 @@ void PairSearch::look_at_faces(VertexFaceCandidates& pass, std::size_t number,
       const Point3& x = slave.x(v);
       const double reach = 2 * skin_ + std::max(first_reach, depth_of(number, v));
       pass.tree.each_overlap(grown({x, x}, reach), [&](std::int32_t f) {
-        if (!faces.face[at(f)] || (self_ && are_neighbours(master.mesh(), v, f))) return;
+        if (!faces.face[at(f)]) return;
+        if (self_ && (looks_same_way(v, f) || are_neighbours(master.mesh(), v, f))) return;
         const Triangle& t = master.mesh().triangles[at(f)];
         if (closest_on_triangle(x, master.x(t[0]), master.x(t[1]), master.x(t[2])).distance2 <= reach * reach)
           found[i].push_back(f);
