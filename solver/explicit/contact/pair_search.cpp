@@ -26,7 +26,9 @@ constexpr double neighbour_cosine = 0.5;
 
 // Faces within the skin are looked at for every vertex: of triangles much finer than spans that would be many.
 constexpr double skin_edges = 0.5;
-// A vertex away from sharp edges has nothing to do with faces that look its own way, by this cosine.
+// A vertex whose faces look one way, by this cosine, …
+constexpr double smooth_patch = 0.97;
+// … has nothing to do with faces that look the same way, by this one.
 constexpr double same_way = 0.75;
 
 /// Edge of an equilateral triangle of the mean area.
@@ -246,20 +248,22 @@ void PairSearch::look_at_faces(VertexFaceCandidates& pass, std::size_t number,
   const SideMask &vertices = mask(pass.slave), &faces = mask(pass.master);
   std::vector<Box3> boxes(master.mesh().triangles.size());
   for (std::size_t f = 0; f < boxes.size(); ++f) boxes[f] = box_of(master, master.mesh().triangles[f]);
-  if (first_look_)
-    pass.tree = Bvh(boxes);
-  else
-    pass.tree.refit(boxes);
+  const std::vector<Point3> normals = self_ ? unit_normals(master) : std::vector<Point3>{};
+  if (first_look_) pass.tree = Bvh(boxes);
+  pass.tree.refit(boxes, normals);
   // A face that a vertex enters was within the skin of it; what lies next to the entered one within twice that.
   double first_reach = 0;
   if (first_look_ && !self_)
     for (const double thickness : master.mesh().thickness) first_reach = std::max(first_reach, 0.5 * thickness);
-  const std::vector<Point3> normals = self_ ? unit_normals(master) : std::vector<Point3>{};
-  const auto looks_same_way = [&](std::int32_t v, std::int32_t f) {
-    if (slave.mesh().is_sharp[at(v)]) return false;
+  // On a smooth patch one direction stands for all faces of a vertex.
+  const auto smooth_direction = [&](std::int32_t v) {
+    Point3 sum{};
+    for (const std::int32_t own : slave.mesh().faces_of(v)) sum = plus(sum, normals[at(own)]);
+    const double length = norm(sum);
+    if (!(length > 0)) return Point3{};
     for (const std::int32_t own : slave.mesh().faces_of(v))
-      if (dot(normals[at(own)], normals[at(f)]) < same_way) return false;
-    return true;
+      if (dot(normals[at(own)], sum) < smooth_patch * length) return Point3{};
+    return times(sum, 1 / length);
   };
   std::vector<std::vector<std::int32_t>> found(slave.mesh().vertices.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, found.size(), 64), [&](const auto& range) {
@@ -268,13 +272,24 @@ void PairSearch::look_at_faces(VertexFaceCandidates& pass, std::size_t number,
       const auto v = static_cast<std::int32_t>(i);
       const Point3& x = slave.x(v);
       const double reach = 2 * skin_ + std::max(first_reach, depth_of(number, v));
-      pass.tree.each_overlap(grown({x, x}, reach), [&](std::int32_t f) {
+      const Point3 way = self_ ? smooth_direction(v) : Point3{};
+      const auto same_ways = [&](const Box3& directions) {
+        double least = 0;
+        for (std::size_t d = 0; d < 3; ++d)
+          least += std::min(way[d] * directions.lower[d], way[d] * directions.upper[d]);
+        return least > same_way; // never without a direction: that is zero
+      };
+      const auto consider = [&](std::int32_t f) {
         if (!faces.face[at(f)]) return;
-        if (self_ && (looks_same_way(v, f) || are_neighbours(master.mesh(), v, f))) return;
+        if (self_ && (dot(way, normals[at(f)]) > same_way || are_neighbours(master.mesh(), v, f))) return;
         const Triangle& t = master.mesh().triangles[at(f)];
         if (closest_on_triangle(x, master.x(t[0]), master.x(t[1]), master.x(t[2])).distance2 <= reach * reach)
           found[i].push_back(f);
-      });
+      };
+      if (self_)
+        pass.tree.each_overlap(grown({x, x}, reach), same_ways, consider);
+      else
+        pass.tree.each_overlap(grown({x, x}, reach), consider);
       std::sort(found[i].begin(), found[i].end());
     }
   });
