@@ -71,7 +71,8 @@ class Runner:
         measured, report = self._tool("igasolve_eigen", self.igasolve, "eigen", self.options.output / "model.h5", *_words(case),
                                       "--modes", case.modes, *([] if case.sturm else ["--no-sturm"]))
         rigid = report["rigid_modes"] + report["mechanisms"]
-        found |= {"bodies": report["bodies"], "rigid_modes": report["rigid_modes"], "mechanisms": report["mechanisms"], "unknowns": report["unknowns"],
+        found |= {"bodies": report["bodies"], "rigid_modes": report["rigid_modes"], "mechanisms": report["mechanisms"],
+                  "unknowns": report["unknowns"],
                   "frequencies": report["frequencies"][rigid:][:case.modes], "solve_cpu_s": measured["cpu_s"],
                   "solve_memory_mib": measured["memory_mib"]}
         if "sturm" in report:
