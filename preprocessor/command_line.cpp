@@ -141,10 +141,13 @@ void add_options(CLI::App& app, Raw& raw, TypedSettings& t, CommandLine& line) {
       ->group(quadrature);
   app.add_option("--min-fraction", t.min_fraction, "Drop trimmed spans with a smaller volume fraction [0]")
       ->group(quadrature);
-  app.add_option("--quadrature", t.interior, "Rule of interior spans: gauss, ggq, ggq-reduced or ggq-reduced2 [gauss]")
+  app.add_option("--quadrature", t.interior, "Rule of interior spans: gauss, ggq, ggq-reduced or ggq-reduced2 [ggq]")
       ->type_name("RULE")
       ->group(quadrature);
-  app.add_option("--trimmed", t.trimmed, "Rule of trimmed spans: nnls, or minimal: points taken out and moved [nnls]")
+  app.add_option(
+         "--trimmed", t.trimmed,
+         "Rule of trimmed spans: nnls, or minimal: points taken out and moved [minimal up to moment degree 2, above it "
+         "nnls]")
       ->type_name("RULE")
       ->group(quadrature);
   io::add_switch(app, "--rank-bound,!--no-rank-bound", t.rank_bound,

@@ -159,6 +159,12 @@ std::string human_report(const PrepReport& r) {
        fmt::format("{} boxes, {} prisms, {} fitted ({} with more candidates), moment degree {} {} {}",
                    r.counts.box_spans, r.counts.prism_spans, r.counts.fitted_spans, r.counts.refined_spans,
                    r.quadrature.moment_degree[0], r.quadrature.moment_degree[1], r.quadrature.moment_degree[2]));
+  const ReductionCounts& reduction = r.counts.reduction;
+  if (r.trimmed > 0)
+    line("fewer",
+         fmt::format("{}: {:.3g} points a trimmed span, {} removed; {} with more for rigidity's sake",
+                     r.quadrature.trimmed_rule, static_cast<double>(r.points_trimmed) / static_cast<double>(r.trimmed),
+                     reduction.newton + reduction.bounded, count(r.counts.secured_spans, "span", "spans")));
   line("residual", fmt::format("{:.2e} at most (allowed {:.0e})", r.quadrature.max_residual, r.quadrature.tolerance));
   line("volume", fmt::format("{:.10g}, surface {:.10g}: trimming off by {:.1e}, points by {:.1e}",
                              r.points_moments.volume, r.surface.volume, r.trimming_error, r.volume_error));

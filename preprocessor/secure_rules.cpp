@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
+#include <utility>
 
 namespace iga::prep {
 
@@ -41,12 +42,26 @@ class Rigidity {
     return static_cast<std::size_t>(found - trimming_.active.begin());
   }
 
-  /// A span that moves rigidly moves as its rigid neighbours do.
+  /// A span that moves rigidly moves as its rigid neighbours do. The others beside it may now be judged.
   void make_rigid(std::size_t a) {
     rigid_[a] = 1;
-    for (std::size_t face = 0; face < 6; ++face)
-      if (const std::size_t n = neighbour(a, face); n != none && is_rigid(n))
+    for (std::size_t face = 0; face < 6; ++face) {
+      const std::size_t n = neighbour(a, face);
+      if (n == none) continue;
+      if (is_rigid(n))
         join_sets(group_, static_cast<std::int32_t>(a), static_cast<std::int32_t>(n));
+      else if (!is_interior(trimming_, n))
+        beside_.push_back(n);
+    }
+  }
+
+  /// Spans beside those that became rigid since the last call, ascending, rigid ones left out.
+  std::vector<std::size_t> take_beside() {
+    std::vector<std::size_t> spans = std::exchange(beside_, {});
+    std::sort(spans.begin(), spans.end());
+    spans.erase(std::unique(spans.begin(), spans.end()), spans.end());
+    std::erase_if(spans, [&](std::size_t a) { return is_rigid(a); });
+    return spans;
   }
 
   struct Hold {
@@ -77,6 +92,105 @@ class Rigidity {
   const Trimming& trimming_;
   std::vector<std::uint8_t> rigid_;
   std::vector<std::int32_t> group_; // disjoint sets
+  std::vector<std::size_t> beside_;
+};
+
+/// A span that needs more points, and what held it when that became clear.
+struct WeakSpan {
+  std::size_t active;
+  Rigidity::Hold hold;
+};
+
+/// The waves from the interior outward. @tparam Resists  bool(active span, hold), called in parallel
+template <class Resists> class RigiditySearch {
+ public:
+  RigiditySearch(const SplineGrid& grid, const Trimming& trimming, const Resists& resists)
+      : trimming_(trimming), rigidity_(grid, trimming), resists_(resists), tried_(trimming.active.size()) {}
+
+  /// Spans that cannot be shown to be rigid with the points they have, ascending.
+  std::vector<WeakSpan> run() {
+    do {
+      while (wave()) {
+      }
+    } while (give_up_some() || begin_parts());
+    std::sort(weak_.begin(), weak_.end(), [](const WeakSpan& x, const WeakSpan& y) { return x.active < y.active; });
+    return std::move(weak_);
+  }
+
+ private:
+  bool fuller(std::size_t x, std::size_t y) const {
+    const auto& fraction = trimming_.fraction;
+    return fraction[x] != fraction[y] ? fraction[x] > fraction[y] : x < y;
+  }
+
+  // All spans beside newly rigid ones that are held in a way they have not been judged in.
+  bool wave() {
+    std::vector<WeakSpan> spans;
+    for (const std::size_t a : rigidity_.take_beside())
+      if (const Rigidity::Hold hold = rigidity_.held(a); hold.clamped || hold.faces != tried_[a])
+        spans.push_back({a, hold});
+    std::vector<std::uint8_t> passes(spans.size());
+    tbb::parallel_for(std::size_t{0}, spans.size(),
+                      [&](std::size_t i) { passes[i] = resists_(spans[i].active, spans[i].hold); });
+    for (std::size_t i = 0; i < spans.size(); ++i) {
+      const std::size_t a = spans[i].active;
+      if (passes[i])
+        rigidity_.make_rigid(a);
+      else if (tried_[a] == HeldFaces{})
+        failed_.push_back(a);
+      tried_[a] = spans[i].hold.faces;
+    }
+    return !spans.empty();
+  }
+
+  // Of the spans that failed, the fullest of every neighbourhood will get more points: the others may do beside it.
+  bool give_up_some() {
+    std::erase_if(failed_, [&](std::size_t a) { return rigidity_.is_rigid(a); });
+    std::vector<WeakSpan> chosen;
+    for (const std::size_t a : failed_) {
+      bool fullest = true;
+      for (std::size_t face = 0; face < 6; ++face) {
+        const std::size_t n = rigidity_.neighbour(a, face);
+        fullest = fullest && (n == none || rigidity_.is_rigid(n) || tried_[n] == HeldFaces{} || fuller(a, n));
+      }
+      if (fullest) chosen.push_back({a, rigidity_.held(a)});
+    }
+    for (const WeakSpan& weak : chosen) {
+      rigidity_.make_rigid(weak.active);
+      weak_.push_back(weak);
+    }
+    return !chosen.empty();
+  }
+
+  // Parts without any rigid span: each begins with its fullest one.
+  bool begin_parts() {
+    std::vector<std::size_t> open;
+    for (std::size_t a = 0; a < tried_.size(); ++a)
+      if (!rigidity_.is_rigid(a)) open.push_back(a);
+    std::vector<std::int32_t> part(tried_.size());
+    std::iota(part.begin(), part.end(), 0);
+    for (const std::size_t a : open)
+      for (std::size_t face = 1; face < 6; face += 2)
+        if (const std::size_t n = rigidity_.neighbour(a, face); n != none)
+          join_sets(part, static_cast<std::int32_t>(a), static_cast<std::int32_t>(n));
+    std::map<std::int32_t, std::size_t> first;
+    for (const std::size_t a : open) {
+      const auto [entry, added] = first.try_emplace(find_root(part, static_cast<std::int32_t>(a)), a);
+      if (!added && fuller(a, entry->second)) entry->second = a;
+    }
+    for (const auto& [root, a] : first) {
+      if (!resists_(a, {})) weak_.push_back({a, {}});
+      rigidity_.make_rigid(a);
+    }
+    return !open.empty();
+  }
+
+  const Trimming& trimming_;
+  Rigidity rigidity_;
+  const Resists& resists_;
+  std::vector<HeldFaces> tried_; // (num_active): how a span was held when it was last judged
+  std::vector<std::size_t> failed_;
+  std::vector<WeakSpan> weak_;
 };
 
 /// What a thread needs to judge a span.
@@ -84,107 +198,44 @@ struct Judge {
   MomentFitter fitter;
   SpanPart part;
   KeptStiffness kept;
+
+  /// Opens the span. @return the rule that resists everything
+  SpanRule open(std::size_t touched, const std::array<int, 3>& degree) {
+    part.open(touched);
+    return resisting_rule(part, fitter.fit(touched), degree);
+  }
+  bool keeps(const Rigidity::Hold& hold, const SpanRule& rule, const SpanRule& full) {
+    return kept.keeps(part.surface().box, hold.faces, {rule.points, rule.weights}, {full.points, full.weights});
+  }
 };
 
 } // namespace
 
 void TrimmedRules::secure(const QuadratureOptions& options) {
-  Rigidity rigidity(*grid_, *trimming_);
   tbb::enumerable_thread_specific<Judge> judges([&] {
     return Judge{MomentFitter(*grid_, *trimming_, far_, options.moment_degree, options.tolerance),
                  SpanPart(*grid_, *trimming_, far_, options.moment_degree), KeptStiffness(*grid_)};
   });
-  const auto keeps = [](Judge& judge, const Rigidity::Hold& hold, const SpanRule& rule, const SpanRule& full) {
-    return judge.kept.keeps(judge.part.surface().box, hold.faces, {rule.points, rule.weights},
-                            {full.points, full.weights});
-  };
-  const auto open_full = [&](Judge& judge, std::size_t a) {
-    judge.part.open(touched_[a]);
-    return resisting_rule(judge.part, judge.fitter.fit(touched_[a]), grid_->degree());
-  };
   const auto resists = [&](std::size_t a, const Rigidity::Hold& hold) {
     if (hold.clamped) return true;
     const SpanRule own = rule(a);
     if (!reduced_ && own.shape == SpanShape::Free) return true; // the fitted rule
     Judge& judge = judges.local();
-    const SpanRule full = open_full(judge, a);
-    return keeps(judge, hold, own, full);
+    const SpanRule full = judge.open(touched_[a], grid_->degree());
+    return judge.keeps(hold, own, full);
   };
-  const auto stronger = [&](std::size_t a, const Rigidity::Hold& hold) {
+  const std::vector<WeakSpan> weak = RigiditySearch(*grid_, *trimming_, resists).run();
+  std::vector<std::pair<std::size_t, SpanRule>> rules(weak.size());
+  tbb::parallel_for(std::size_t{0}, weak.size(), [&](std::size_t i) {
+    const auto& [a, hold] = weak[i];
     Judge& judge = judges.local();
-    const SpanRule full = open_full(judge, a);
+    const SpanRule full = judge.open(touched_[a], grid_->degree());
+    rules[i] = {a, full};
     for (SpanRule& product : stronger_products(judge.part, rule(a), grid_->degree()))
-      if (keeps(judge, hold, product, full)) return product;
-    return full;
-  };
-
-  std::vector<std::size_t> open; // trimmed spans not yet known to be rigid
-  for (std::size_t a = 0; a < touched_.size(); ++a)
-    if (!is_interior(*trimming_, a)) open.push_back(a);
-  std::vector<HeldFaces> tried(touched_.size(), HeldFaces{});
-  std::vector<std::pair<std::size_t, Rigidity::Hold>> secured; // with what held them then
-  const auto still_open = [&] { std::erase_if(open, [&](std::size_t a) { return rigidity.is_rigid(a); }); };
-
-  while (!open.empty()) {
-    // A wave: all spans beside rigid ones that are held in a way they have not been judged in.
-    std::vector<std::pair<std::size_t, Rigidity::Hold>> wave;
-    for (const std::size_t a : open)
-      if (const Rigidity::Hold hold = rigidity.held(a); hold.clamped || (hold.directions > 0 && hold.faces != tried[a]))
-        wave.emplace_back(a, hold);
-    std::vector<std::uint8_t> passes(wave.size());
-    tbb::parallel_for(std::size_t{0}, wave.size(),
-                      [&](std::size_t i) { passes[i] = resists(wave[i].first, wave[i].second); });
-    bool any = false;
-    for (std::size_t i = 0; i < wave.size(); ++i) {
-      tried[wave[i].first] = wave[i].second.faces;
-      if (passes[i]) rigidity.make_rigid(wave[i].first);
-      any = any || passes[i];
-    }
-    still_open();
-    if (any || open.empty()) continue;
-
-    // No span passes any more. Among those that failed, the fullest of a neighbourhood gets a rule that resists: the
-    // others may do with it beside them.
-    const auto fuller = [&](std::size_t x, std::size_t y) {
-      return trimming_->fraction[x] != trimming_->fraction[y] ? trimming_->fraction[x] > trimming_->fraction[y] : x < y;
-    };
-    std::vector<std::size_t> chosen;
-    for (const std::size_t a : open) {
-      if (tried[a] == HeldFaces{}) continue;
-      bool fullest = true;
-      for (std::size_t face = 0; face < 6; ++face) {
-        const std::size_t n = rigidity.neighbour(a, face);
-        fullest = fullest && (n == none || rigidity.is_rigid(n) || tried[n] == HeldFaces{} || fuller(a, n));
+      if (judge.keeps(hold, product, full)) {
+        rules[i].second = std::move(product);
+        break;
       }
-      if (fullest) chosen.push_back(a);
-    }
-    for (const std::size_t a : chosen) secured.emplace_back(a, rigidity.held(a));
-    for (const std::size_t a : chosen) rigidity.make_rigid(a);
-    if (chosen.empty()) {
-      // Parts without any rigid span: each begins with its fullest span.
-      std::vector<std::int32_t> parts(touched_.size());
-      std::iota(parts.begin(), parts.end(), 0);
-      for (const std::size_t a : open)
-        for (std::size_t face = 1; face < 6; face += 2)
-          if (const std::size_t n = rigidity.neighbour(a, face); n != none)
-            join_sets(parts, static_cast<std::int32_t>(a), static_cast<std::int32_t>(n));
-      std::map<std::int32_t, std::size_t> first;
-      for (const std::size_t a : open) {
-        const auto [entry, added] = first.try_emplace(find_root(parts, static_cast<std::int32_t>(a)), a);
-        if (!added && fuller(a, entry->second)) entry->second = a;
-      }
-      for (const auto& [part, a] : first) {
-        if (!resists(a, {})) secured.emplace_back(a, Rigidity::Hold{});
-        rigidity.make_rigid(a);
-      }
-    }
-    still_open();
-  }
-
-  std::sort(secured.begin(), secured.end(), [](const auto& x, const auto& y) { return x.first < y.first; });
-  std::vector<std::pair<std::size_t, SpanRule>> rules(secured.size());
-  tbb::parallel_for(std::size_t{0}, secured.size(), [&](std::size_t i) {
-    rules[i] = {secured[i].first, stronger(secured[i].first, secured[i].second)};
   });
   replace(rules);
   counts_.secured_spans = static_cast<std::int64_t>(rules.size());

@@ -3,6 +3,7 @@
 #include "format/model/errors.hpp"
 #include "preprocessor/generalised_gauss.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -142,10 +143,12 @@ SurfaceOptions surface_options(const TypedSettings& typed) {
 
 QuadratureOptions quadrature_options(const TypedSettings& typed, const std::array<int, 3>& p) {
   QuadratureOptions quadrature;
-  quadrature.interior_rule = typed.interior.value_or("gauss");
-  quadrature.trimmed_rule = typed.trimmed.value_or("nnls");
+  quadrature.interior_rule = typed.interior.value_or("ggq");
   for (const int degree : p) target_space(quadrature.interior_rule, degree);
   quadrature.moment_degree = moment_degrees(typed, p);
+  // With more moments the reduction takes longer than most analyses: there it is asked for where points cost most.
+  const auto& q = quadrature.moment_degree;
+  quadrature.trimmed_rule = typed.trimmed.value_or(*std::max_element(q.begin(), q.end()) <= 2 ? "minimal" : "nnls");
   quadrature.tolerance = typed.tolerance.value_or(quadrature.tolerance);
   // Below the lower bound lies rounding; above the upper one the masses of a model would be visibly off.
   require(quadrature.tolerance >= 1e-14 && quadrature.tolerance <= 1e-4, "tolerance", quadrature.tolerance,

@@ -28,7 +28,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 import calculix  # noqa: E402
 import comparison_report  # noqa: E402
 import tet_mesh  # noqa: E402
-from measured_run import measured_run  # noqa: E402
+from measured_run import RunError, measured_report, measured_run  # noqa: E402
 from run_samples import read_stl  # noqa: E402
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -40,20 +40,11 @@ class ComparisonError(Exception):
     """A program is missing, or was asked for what it cannot do."""
 
 
-class RunError(Exception):
-    """One run failed; the others go on."""
-
-
 def program(name, package, hint=None):
     path = shutil.which(name)
     if path is None:
         raise ComparisonError(f"{name} is missing; " + (f"install it: apt-get install {package}" if package else hint))
     return path
-
-
-def last_words(log):
-    lines = [line for line in Path(log).read_text(errors="replace").splitlines() if line.strip()]
-    return lines[-1] if lines else "no output"
 
 
 # ---------------------------------------------------------------------------------------------------------- the two ways
@@ -117,14 +108,7 @@ class TrimmedSplines:
                 "prep_memory_mib": preparing["memory_mib"], "solve_memory_mib": solving["memory_mib"]}
 
     def _report(self, command, name):
-        """The measured run and the JSON object that a tool prints."""
-        log = self.options.output / f"{name}.log"
-        measured = measured_run(command, log, None, self.options.threads)
-        words = log.read_text()
-        if measured["exit_code"] != 0 or "{" not in words:
-            raise RunError(f"{Path(command[0]).name} ended with exit code {measured['exit_code']}: {last_words(log)}")
-        found, _ = json.JSONDecoder().raw_decode(words, words.index("{"))
-        return measured, found
+        return measured_report(command, self.options.output / f"{name}.log", self.options.threads)
 
 
 def all_runs(options, stored):

@@ -7,6 +7,10 @@ import sys
 import tempfile
 from pathlib import Path
 
+class RunError(Exception):
+    """One run failed; the others go on."""
+
+
 # A small process of its own starts the program: memory that the caller holds would otherwise count as the program's peak.
 LAUNCHER = """
 import json, resource, subprocess, sys, time
@@ -30,3 +34,18 @@ def measured_run(command, log, folder=None, threads=1):
         subprocess.run([sys.executable, "-S", "-c", LAUNCHER, answer, *map(str, command)], stdout=output,
                        stderr=subprocess.STDOUT, cwd=folder, env=environment, check=True)
         return json.loads(answer.read_text())
+
+
+def last_words(log):
+    lines = [line for line in Path(log).read_text(errors="replace").splitlines() if line.strip()]
+    return lines[-1] if lines else "no output"
+
+
+def measured_report(command, log, threads=1):
+    """The measured run of a tool with --json, and the object that it prints. Raises RunError with the tool's last words."""
+    measured = measured_run(command, log, None, threads)
+    words = Path(log).read_text()
+    if measured["exit_code"] != 0 or "{" not in words:
+        raise RunError(f"{Path(command[0]).name} ended with exit code {measured['exit_code']}: {last_words(log)}")
+    found, _ = json.JSONDecoder().raw_decode(words, words.index("{"))
+    return measured, found

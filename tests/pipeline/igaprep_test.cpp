@@ -1,4 +1,5 @@
 // igaprep as a user meets it: a part in, a model file and a report out, nothing done twice.
+#include "format/io/trimmed_model_io.hpp"
 #include "tests/pipeline/json_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/small_surfaces.hpp"
@@ -218,6 +219,37 @@ TEST_P(Interrupted, LeavesTheOldFileAndNothingElse) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Signals, Interrupted, testing::Values(SIGINT, SIGTERM));
+
+// Points being reduced are no reason to lose the rules there are.
+TEST_P(Interrupted, WhileReducingWritesTheRulesThereAre) {
+  options.signal_after = "reduction";
+  options.signal = GetParam();
+  const std::vector<std::string> arguments{"cube.stl", "--spans",  "40", "--rotate-axis-angle", "1",      "2", "3",
+                                           "20",       "--degree", "3",  "--trimmed",           "minimal"};
+  const ProgramRun done = run(arguments);
+  EXPECT_EQ(done.exit_code, 128 + GetParam()) << done.err;
+  EXPECT_NE(done.err.find("keep their nnls rule"), std::string::npos) << done.err;
+  EXPECT_NE(done.err.find("--force"), std::string::npos) << done.err;
+  const TrimmedModel model = io::read_model(folder / "cube.h5");
+  EXPECT_TRUE(check(model).empty());
+  EXPECT_LE(model.quadrature.max_residual, 1e-10);
+  options.signal_after.reset();
+  const ProgramRun again = run(arguments);
+  EXPECT_EQ(again.exit_code, 2) << again.err; // it is not the file that these settings make
+}
+
+TEST_F(Igaprep, MinimalRulesAndGeneralisedOnesSaveMostPoints) {
+  const auto full = json({"cube.stl", "-o", "full.h5", "--spans", "10", "--rotate-axis-angle", "1", "2", "3", "20",
+                          "--quadrature", "gauss", "--trimmed", "nnls"});
+  const auto few = json({"cube.stl", "-o", "few.h5", "--spans", "10", "--rotate-axis-angle", "1", "2", "3", "20",
+                         "--quadrature", "ggq-reduced", "--trimmed", "minimal"});
+  EXPECT_LT(number(few, "points_trimmed"), 0.4 * number(full, "points_trimmed"));
+  EXPECT_LT(number(few, "points_interior"), 0.3 * number(full, "points_interior"));
+  EXPECT_NEAR(number(few, "volume"), number(full, "volume"), 1e-9 * number(full, "volume"));
+  EXPECT_GT(number(few, "removed_by_newton"), 1000);
+  EXPECT_EQ(io::read_model(folder / "few.h5").quadrature.trimmed_rule, "minimal");
+  EXPECT_EQ(io::read_model(folder / "few.h5").quadrature.interior_rule, "ggq-reduced");
+}
 
 TEST_F(Igaprep, KilledHardKeepsTheOldFile) {
   write_bytes(folder / "cube.h5", "the old file");

@@ -165,6 +165,21 @@ TEST(Settings, ValuesOutOfRangeAreRefusedByName) {
   EXPECT_REFUSED("no surface file", (t.input.reset()));
 }
 
+TEST(Settings, RulesFollowTheMomentsWhereTheyAreNotChosen) {
+  const auto rule = [](auto&& change) {
+    TypedSettings typed = minimal();
+    change(typed);
+    const Settings s = validate(typed);
+    EXPECT_EQ(s.quadrature.interior_rule, "ggq");
+    return s.quadrature.trimmed_rule;
+  };
+  EXPECT_EQ(rule([](auto&) {}), "minimal");
+  EXPECT_EQ(rule([](auto& t) { t.degree = {{1}}; }), "minimal");
+  EXPECT_EQ(rule([](auto& t) { t.degree = {{2, 2, 3}}; }), "nnls");
+  EXPECT_EQ(rule([](auto& t) { t.moment_degree = "2p"; }), "nnls");
+  EXPECT_EQ(rule([](auto& t) { t.degree = {{3}}, t.trimmed = "minimal"; }), "minimal");
+}
+
 TEST(Settings, CanonicalTextTellsDataApartAndIgnoresHowItWasTyped) {
   const std::string base = canonical_text(validate(minimal()));
   const auto changed = [&](auto&& change) {
@@ -179,11 +194,15 @@ TEST(Settings, CanonicalTextTellsDataApartAndIgnoresHowItWasTyped) {
   EXPECT_TRUE(changed([](auto& t) { t.region_angle = 30; }));
   EXPECT_TRUE(changed([](auto& t) { t.rotate_axis_angle = std::vector<double>{0, 0, 1, 1}; }));
   EXPECT_TRUE(changed([](auto& t) { t.moment_degree = "2p"; }));
-  EXPECT_TRUE(changed([](auto& t) { t.interior = "ggq"; }));
+  EXPECT_TRUE(changed([](auto& t) { t.interior = "ggq-reduced"; }));
+  EXPECT_TRUE(changed([](auto& t) { t.trimmed = "nnls"; }));
+  EXPECT_TRUE(changed([](auto& t) { t.rank_bound = true; }));
   EXPECT_TRUE(changed([](auto& t) { t.optimise_offset = true; }));
   EXPECT_FALSE(changed([](auto& t) { t.output = "elsewhere.h5"; }));
   EXPECT_FALSE(changed([](auto& t) { t.degree = {{2, 2, 2}}; }));
   EXPECT_FALSE(changed([](auto& t) { t.moment_degree = "p"; }));
+  EXPECT_FALSE(changed([](auto& t) { t.interior = "ggq"; }));
+  EXPECT_FALSE(changed([](auto& t) { t.trimmed = "minimal"; }));
   EXPECT_FALSE(changed([](auto& t) { t.rotate_axis_angle = std::vector<double>{0, 0, 1, 0}; }));
   TypedSettings one = minimal(), three = minimal();
   one.span_size = {{2}};
