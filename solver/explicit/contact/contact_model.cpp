@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 
 namespace iga::solve {
 
@@ -52,9 +54,10 @@ ContactModel::ContactModel(std::vector<ContactSurface> surfaces, std::vector<Rig
   for (const MovingSurface& s : surfaces_) {
     vertex_sum_.emplace_back(s.mesh().vertices.size(), 0);
     vertex_force_.emplace_back(s.mesh().vertices.size(), Point3{});
+    node_load_.emplace_back(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(s.columns().rows())));
+    node_sum_.push_back(node_load_.back());
   }
-  rigid_weight_.assign(rigid_.size(), 0);
-  rigid_sum_.assign(rigid_.size(), 0);
+  rigid_load_.assign(rigid_.size(), 0);
 }
 
 PenaltyEnergy ContactModel::add_forces(const StepTimes& times, std::span<const BodyState> bodies) {
@@ -62,8 +65,8 @@ PenaltyEnergy ContactModel::add_forces(const StepTimes& times, std::span<const B
   report_.energy = {};
   report_.least_scale = 1;
   look_where_stale(bodies);
-  move(bodies, times);
-  find(times);
+  move(bodies);
+  find(bodies, times);
   if (reference_dt_ == 0 || times.dt > 1.05 * reference_dt_) share_budget(bodies, times);
   set_springs();
   keep_within_budget(bodies, times);
@@ -125,10 +128,10 @@ void ContactModel::look_where_stale(std::span<const BodyState> bodies) {
   for (std::size_t s = 0; s < surfaces_.size(); ++s) surfaces_[s].activate(std::move(active[s]));
 }
 
-void ContactModel::move(std::span<const BodyState> bodies, const StepTimes& times) {
+void ContactModel::move(std::span<const BodyState> bodies) {
   for (MovingSurface& s : surfaces_) {
     if (s.is_rigid())
-      s.move_active(rigid_[s.owner()], times);
+      s.move_active(rigid_[s.owner()]);
     else
       s.move_active(bodies[s.owner()]);
   }
@@ -140,27 +143,35 @@ const ContactModel::Memory* ContactModel::remembered(std::uint64_t key) const {
   return found != memory_.end() && found->key == key ? &*found : nullptr;
 }
 
-Point3 ContactModel::relative_velocity(const Touch& touch, const StepTimes& times) const {
+Point3 ContactModel::relative_velocity(const Touch& touch, std::span<const BodyState> bodies,
+                                       const StepTimes& times) const {
   Point3 v{};
   for (int i = 0; i < touch.count; ++i) {
     const Touch::Entry& e = touch.entries[at(i)];
-    v = plus(v, iga::times(surfaces_[e.surface].velocity(e.vertex), e.weight));
+    v = plus(v, iga::times(surfaces_[e.surface].velocity(e.vertex, bodies[surfaces_[e.surface].owner()]), e.weight));
   }
   if (touch.rigid >= 0)
     v = plus(v, iga::times(rigid_[at(touch.rigid)].velocity_at(touch.point, times), touch.rigid_sign));
   return v;
 }
 
-void ContactModel::find(const StepTimes& times) {
+void ContactModel::find(std::span<const BodyState> bodies, const StepTimes& times) {
   touches_.clear();
   pair_of_.clear();
   springs_.clear();
   std::vector<Memory> next;
   for (std::size_t p = 0; p < searches_.size(); ++p) {
     const double h = surfaces_[searches_[p].first()].span_size();
-    for (Touch& touch : find_touches(searches_[p], surfaces_, rigid_)) {
+    std::vector<Touch> found = find_touches(searches_[p], surfaces_, rigid_);
+    std::vector<Point3> velocities(found.size());
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, found.size(), 64), [&](const auto& range) {
+      for (std::size_t c = range.begin(); c != range.end(); ++c)
+        velocities[c] = relative_velocity(found[c], bodies, times);
+    });
+    for (std::size_t c = 0; c < found.size(); ++c) {
+      Touch& touch = found[c];
       touch.key = pair_key(p, touch.key);
-      const Point3 velocity = relative_velocity(touch, times);
+      const Point3& velocity = velocities[c];
       const double way = norm(velocity) * (started_ ? times.dt_last : 0);
       if (way > longest_step * h)
         throw NumericalError(fmt::format("contact '{}' at time {:.6g}: sides move {:.3g} against each other in one "

@@ -66,24 +66,24 @@ class ContactModel : public PenaltySource {
   struct Spring {
     double stiffness = 0, scale = 1;
     double with_damping = 1; ///< factor on the stiffness in the bound of stability
-    double reach = 1;        ///< Σ of weights that the bound multiplies with
+    double load = 1;         ///< dt² λ of the bound over the budget, as this spring and those beside it would have it
     double lever = 0;        ///< 1 + arm / radius of gyration of a free rigid body
     Point3 velocity{};       ///< relative, of the side pushed along the normal
   };
 
   void look_where_stale(std::span<const BodyState> bodies);
-  void move(std::span<const BodyState> bodies, const StepTimes& times);
-  void find(const StepTimes& times);
+  void move(std::span<const BodyState> bodies);
+  void find(std::span<const BodyState> bodies, const StepTimes& times);
   const Memory* remembered(std::uint64_t key) const;
-  Point3 relative_velocity(const Touch& touch, const StepTimes& times) const;
+  Point3 relative_velocity(const Touch& touch, std::span<const BodyState> bodies, const StepTimes& times) const;
 
   void share_budget(std::span<const BodyState> bodies, const StepTimes& times);
   void set_springs();
   void keep_within_budget(std::span<const BodyState> bodies, const StepTimes& times);
-  void weigh_rigid(const StepTimes& times);
-  void sum_at_vertices(bool scaled);
-  Eigen::VectorXd sum_at_nodes(const MovingSurface& surface, const std::vector<std::int32_t>& nodes,
-                               const std::vector<double>& at_vertices) const;
+  void load_rigid(const StepTimes& times);
+  void sum_at_vertices();
+  static void sum_at_nodes(const SparseRows& columns, const std::vector<std::int32_t>& nodes,
+                           const std::vector<double>& at_vertices, Eigen::VectorXd& sums);
 
   void apply_forces(const StepTimes& times);
   Point3 friction(const Touch& touch, const Spring& spring, const ContactPair& pair, double normal_force,
@@ -98,13 +98,14 @@ class ContactModel : public PenaltySource {
   double reference_dt_ = 0; ///< of the springs
   /// Per surface and vertex: mass of the slab behind it / dt², lowered where a node could not bear it; force/length³.
   std::vector<std::vector<double>> density_;
-  std::vector<std::vector<double>> vertex_sum_; ///< per surface and vertex: Σ k · reach · |weight| of this step
+  std::vector<std::vector<double>> vertex_sum_; ///< per surface and vertex: Σ k |weight| of this step
   std::vector<std::vector<Point3>> vertex_force_;
   std::vector<Touch> touches_; ///< ascending by key
   std::vector<std::size_t> pair_of_;
   std::vector<Spring> springs_;
   std::vector<Memory> memory_; ///< ascending by key
-  std::vector<double> rigid_weight_, rigid_sum_;
+  std::vector<Eigen::VectorXd> node_load_, node_sum_; ///< per surface: share of a node's room, (num_nodes)
+  std::vector<double> rigid_load_;
   std::vector<Eigen::VectorXd> force_, last_force_; ///< per deformable body, (3 num_nodes)
 };
 
