@@ -63,6 +63,7 @@ struct Options {
   double end = 8, triangles = 4;
   bool self = true;
   int threads = 1;
+  double stiffness = 0, damping = -1, safety = 0, largest_dt = 0; // 0, -1: the defaults
 };
 
 void run(const char* path, const Options& options) {
@@ -85,6 +86,8 @@ void run(const char* path, const Options& options) {
     pairs[p].first = body();
     pairs[p].second = p < 2 ? tool(p) : body();
     pairs[p].friction = {0.2, 0.2, 0};
+    if (options.stiffness > 0) pairs[p].stiffness = options.stiffness;
+    if (options.damping >= 0) pairs[p].damping = options.damping;
   }
   std::vector<ContactSurface> surfaces{make_contact_surface(cube.space(), "cube", 6e-8, options.triangles)};
   const std::size_t vertices = surfaces[0].mesh.vertices.size();
@@ -92,6 +95,8 @@ void run(const char* path, const Options& options) {
   TimedContact timed(contact);
   IntegratorSettings run;
   run.end_time = options.end;
+  if (options.safety > 0) run.safety = options.safety;
+  run.largest_dt = options.largest_dt;
   Integrator integrator({&cube}, run);
   integrator.add(timed);
   const double h = model.grid.span_size()[0];
@@ -142,10 +147,10 @@ void run(const char* path, const Options& options) {
 
 } // namespace iga::bench
 
-// impact_bench MODEL [END [THREADS [TRIANGLES [SELF]]]]
+// impact_bench MODEL [END [THREADS [TRIANGLES [SELF [STIFFNESS [DAMPING [SAFETY [LARGEST_DT]]]]]]]]
 int main(int argc, char** argv) {
   if (argc < 2) {
-    fmt::print(stderr, "impact_bench MODEL [END [THREADS [TRIANGLES [SELF]]]]\n");
+    fmt::print(stderr, "impact_bench MODEL [END [THREADS [TRIANGLES [SELF [STIFFNESS [DAMPING [SAFETY [LARGEST_DT]]]]]]]]\n");
     return 2;
   }
   iga::bench::Options options;
@@ -153,6 +158,10 @@ int main(int argc, char** argv) {
   if (argc > 3) options.threads = std::atoi(argv[3]);
   if (argc > 4) options.triangles = std::atof(argv[4]);
   if (argc > 5) options.self = std::atoi(argv[5]) != 0;
+  if (argc > 6) options.stiffness = std::atof(argv[6]);
+  if (argc > 7) options.damping = std::atof(argv[7]);
+  if (argc > 8) options.safety = std::atof(argv[8]);
+  if (argc > 9) options.largest_dt = std::atof(argv[9]);
   iga::bench::run(argv[1], options);
   return 0;
 }
