@@ -80,8 +80,7 @@ class RigidState {
 
   const RigidBody& body() const { return body_; }
   const Pose& pose() const { return now_; }
-  /// At the t_n that the last advance left: between steps of the time integration, where the deformable bodies are.
-  const Pose& pose_passed() const { return last_; }
+  const Pose& pose_before() const { return last_; } ///< at the t_n that the last advance began with
   bool is_free() const { return std::holds_alternative<FreeMotion>(body_.motion); }
   bool is_fixed() const { return std::holds_alternative<FixedMotion>(body_.motion); }
   double mass() const; ///< infinite unless free
