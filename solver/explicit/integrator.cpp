@@ -1,7 +1,6 @@
 #include "solver/explicit/integrator.hpp"
 
 #include "format/model/errors.hpp"
-#include "solver/explicit/node_update.hpp"
 
 #include <fmt/format.h>
 
@@ -32,7 +31,8 @@ void Integrator::prepare(std::vector<StartStep> limits) {
     const Point3 h = bodies_[b]->space().model().grid.span_size();
     InternalForces& forces = bodies_[b]->forces();
     forces.set_frequency_ratio(limits_[b].omega * std::min({h[0], h[1], h[2]}) / (2 * forces.reference_wave_speed()));
-    if (!loads_.empty()) external_[b].load.resize(bodies_[b]->num_unknowns());
+    if (!loads_.empty() || !constraints_.empty()) external_[b].load.resize(bodies_[b]->num_unknowns());
+    if (!constraints_.empty()) external_[b].reaction.resize(bodies_[b]->num_unknowns());
     if (!penalties_.empty()) {
       external_[b].penalty.resize(bodies_[b]->num_unknowns());
       external_[b].penalty_sum.resize(bodies_[b]->space().num_nodes());
@@ -153,7 +153,7 @@ void Integrator::choose_step() {
 }
 
 void Integrator::evaluate_external() {
-  if (loads_.empty() && penalties_.empty()) return;
+  if (loads_.empty() && penalties_.empty() && constraints_.empty()) return;
   std::vector<BodyState> states(bodies_.size());
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const ExplicitBody& body = *bodies_[b];
@@ -171,15 +171,35 @@ void Integrator::evaluate_external() {
     penalty_.friction += added.friction;
     penalty_.damping += added.damping;
   }
+  constrain();
   for (PenaltySource* source : penalties_) source->advance(times());
 }
 
-void Integrator::kick_body(std::size_t b) {
-  const External& external = external_[b];
+NodeForces Integrator::forces_on(std::size_t b) const {
   NodeForces forces{nullptr, nullptr, dt_last_, dt_next_};
-  if (!loads_.empty()) forces.load = &external.load;
-  if (!penalties_.empty()) forces.penalty = &external.penalty;
-  const NodeSums sums = update_momentum(*bodies_[b], forces);
+  if (external_[b].load.size() > 0) forces.load = &external_[b].load;
+  if (external_[b].penalty.size() > 0) forces.penalty = &external_[b].penalty;
+  return forces;
+}
+
+void Integrator::constrain() {
+  if (constraints_.empty()) return;
+  std::vector<ConstrainedBody> states(bodies_.size());
+  for (ConstraintSource* source : constraints_) {
+    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+      const ExplicitBody& body = *bodies_[b];
+      External& external = external_[b];
+      const double gain = next_velocity(body, forces_on(b), external.next_velocity);
+      external.reaction.setZero();
+      states[b] = {&body.displacement, &external.next_velocity, &body.mass(), gain, &external.reaction};
+    }
+    source->add_reactions(times(), states);
+    for (External& external : external_) external.load += external.reaction;
+  }
+}
+
+void Integrator::kick_body(std::size_t b) {
+  const NodeSums sums = update_momentum(*bodies_[b], forces_on(b));
   closed_.internal += sums.before.internal * dt_last_ / 2;
   closed_.load += sums.before.load * dt_last_ / 2;
   closed_.damping += sums.before.damping * dt_last_ / 2;
