@@ -6,6 +6,7 @@
 
 #include "solver/explicit/contact_body.hpp"
 
+#include <limits>
 #include <span>
 
 namespace iga::solve {
@@ -19,6 +20,8 @@ class PenaltySource {
   /// Adds the forces at t_n to each body's force, in the order of the bodies, and its stiffness to penalty_sum, within
   /// the budget of the step: times.budget minus what penalty_sum holds already.
   virtual PenaltyEnergy add_forces(const StepTimes& times, std::span<const BodyState> bodies) = 0;
+  /// The step it wants to work with, whatever stability allows.
+  virtual double largest_step() const { return std::numeric_limits<double>::infinity(); }
   /// Moves what it owns (rigid bodies) from t_n to t_{n+1}; called when all sources have added their forces at t_n.
   virtual void advance(const StepTimes&) {}
   /// Of what it owns, at the t_n of the last advance.

@@ -93,7 +93,7 @@ StepTimes Integrator::times() const {
   double x = 0;
   for (std::size_t b = 0; b < bodies_.size(); ++b)
     x = std::max(x, 2 * dt_next_ / (limits_[b].dt * reports_[b].step_factor));
-  return {time_, dt_last_, dt_next_, std::max(0.0, 4 - x * x)};
+  return {time_, dt_last_, dt_next_, std::max(0.0, 4 - x * x), 4 - 4 * settings_.safety * settings_.safety};
 }
 
 void Integrator::kick() {
@@ -141,6 +141,7 @@ void Integrator::choose_step() {
         time_, dt, settings_.floor, first, bodies_[limiting]->settings().name,
         place(limiting, reports_[limiting].step_span), reports_[limiting].min_J));
   if (settings_.largest_dt > 0) dt = std::min(dt, settings_.largest_dt);
+  for (const PenaltySource* source : penalties_) dt = std::min(dt, source->largest_step());
   follow(dt);
   dt = control_.dt;
   // The last two steps share what is left, so that none is tiny.

@@ -27,6 +27,7 @@ double wall_seconds() {
 class TimedContact : public PenaltySource {
  public:
   explicit TimedContact(ContactModel& contact) : contact_(&contact) {}
+  double largest_step() const override { return contact_->largest_step(); }
   PenaltyEnergy add_forces(const StepTimes& times, std::span<const BodyState> bodies) override {
     const double begin = cpu_seconds();
     const PenaltyEnergy energy = contact_->add_forces(times, bodies);
@@ -63,7 +64,7 @@ struct Options {
   double end = 8, triangles = 4;
   bool self = true;
   int threads = 1;
-  double stiffness = 0, damping = -1, safety = 0, largest_dt = 0; // 0, -1: the defaults
+  double stiffness = 0, damping = -1, safety = 0, step = 0; // 0, -1: the defaults
 };
 
 void run(const char* path, const Options& options) {
@@ -89,14 +90,18 @@ void run(const char* path, const Options& options) {
     if (options.stiffness > 0) pairs[p].stiffness = options.stiffness;
     if (options.damping >= 0) pairs[p].damping = options.damping;
   }
+  ContactOptions contact_options;
+  if (options.step > 0) contact_options.step = options.step;
   std::vector<ContactSurface> surfaces{make_contact_surface(cube.space(), "cube", 6e-8, options.triangles)};
+  surfaces[0].wave_speed = cube.forces().reference_wave_speed();
   const std::size_t vertices = surfaces[0].mesh.vertices.size();
-  ContactModel contact(std::move(surfaces), {ball, {"plate", PlaneShape{}, {50, 50, 0}, {}}}, pairs);
+  ContactModel contact(std::move(surfaces), {ball, {"plate", PlaneShape{}, {50, 50, 0}, {}}}, pairs,
+                       contact_options);
   TimedContact timed(contact);
   IntegratorSettings run;
   run.end_time = options.end;
   if (options.safety > 0) run.safety = options.safety;
-  run.largest_dt = options.largest_dt;
+  
   Integrator integrator({&cube}, run);
   integrator.add(timed);
   const double h = model.grid.span_size()[0];
@@ -147,10 +152,10 @@ void run(const char* path, const Options& options) {
 
 } // namespace iga::bench
 
-// impact_bench MODEL [END [THREADS [TRIANGLES [SELF [STIFFNESS [DAMPING [SAFETY [LARGEST_DT]]]]]]]]
+// impact_bench MODEL [END [THREADS [TRIANGLES [SELF [STIFFNESS [DAMPING [SAFETY [STEP]]]]]]]]
 int main(int argc, char** argv) {
   if (argc < 2) {
-    fmt::print(stderr, "impact_bench MODEL [END [THREADS [TRIANGLES [SELF [STIFFNESS [DAMPING [SAFETY [LARGEST_DT]]]]]]]]\n");
+    fmt::print(stderr, "impact_bench MODEL [END [THREADS [TRIANGLES [SELF [STIFFNESS [DAMPING [SAFETY [STEP]]]]]]]]\n");
     return 2;
   }
   iga::bench::Options options;
@@ -161,7 +166,7 @@ int main(int argc, char** argv) {
   if (argc > 6) options.stiffness = std::atof(argv[6]);
   if (argc > 7) options.damping = std::atof(argv[7]);
   if (argc > 8) options.safety = std::atof(argv[8]);
-  if (argc > 9) options.largest_dt = std::atof(argv[9]);
+  if (argc > 9) options.step = std::atof(argv[9]);
   iga::bench::run(argv[1], options);
   return 0;
 }

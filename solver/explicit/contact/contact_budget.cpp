@@ -15,6 +15,8 @@ namespace {
 
 constexpr double inf = std::numeric_limits<double>::infinity();
 constexpr std::size_t grain = 64;
+// Crushed foam lowers the stable step to a share of this.
+constexpr double shrinkage = 2.4;
 
 /// Damping c = 2 ξ √(k m) with m = k dt² / η counts like a spring of 2 c / dt.
 double damping_factor(const ContactPair& pair) {
@@ -46,6 +48,10 @@ double over_row(const SparseRows& S, std::int32_t v, const Eigen::VectorXd& z) {
 
 void ContactModel::share_budget(std::span<const BodyState> bodies, const StepTimes& times) {
   reference_dt_ = times.dt;
+  // Springs shall last while stability shrinks: x = dt ω_max grows, but not beyond that of the run's safety factor.
+  StepTimes later = times;
+  const double x2 = shrinkage * shrinkage * (4 - times.budget);
+  later.budget = std::min(times.budget, std::max(times.lasting, 4 - x2));
   density_.assign(surfaces_.size(), {});
   for (std::size_t s = 0; s < surfaces_.size(); ++s) {
     const MovingSurface& surface = surfaces_[s];
@@ -82,7 +88,7 @@ void ContactModel::share_budget(std::span<const BodyState> bodies, const StepTim
       }
       sum_at_nodes(surface.columns(), surface.nodes(), sums, load);
       for (const std::int32_t i : surface.nodes())
-        load[i] = ratio(load[i], room(bodies[surface.owner()], at(i), times));
+        load[i] = ratio(load[i], room(bodies[surface.owner()], at(i), later));
       for (std::size_t v = 0; v < share.size(); ++v)
         if (sums[v] > 0)
           share[v] = std::min(share[v], share_of(over_row(surface.rows(), static_cast<std::int32_t>(v), load)));

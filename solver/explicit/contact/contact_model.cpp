@@ -18,8 +18,6 @@ namespace {
 constexpr double entry_allowance = 1.5;
 // … and this much for rounding, in spans.
 constexpr double entry_rounding = 1e-6;
-// Bodies that overlap more than this at the start (in spans) were placed wrongly.
-constexpr double deepest_start = 0.5;
 // Sides that come closer by more than this in one step (in spans) could miss each other.
 constexpr double longest_step = 0.5;
 
@@ -34,6 +32,12 @@ ContactModel::ContactModel(std::vector<ContactSurface> surfaces, std::vector<Rig
   double largest_span = 0;
   for (std::size_t b = 0; b < surfaces.size(); ++b) {
     largest_span = std::max(largest_span, surfaces[b].span_size);
+    const auto touches = [&](const ContactPair& pair) {
+      const auto is_it = [&](const ContactSide& s) { return s.kind == ContactSide::Kind::Deformable && s.number == b; };
+      return is_it(pair.first) || is_it(pair.second);
+    };
+    if (surfaces[b].wave_speed > 0 && std::any_of(pairs.begin(), pairs.end(), touches))
+      largest_step_ = std::min(largest_step_, options.step * surfaces[b].span_size / surfaces[b].wave_speed);
     force_.emplace_back(Eigen::VectorXd::Zero(3 * surfaces[b].S.cols()));
     surfaces_.emplace_back(std::move(surfaces[b]), b);
   }
@@ -64,6 +68,13 @@ PenaltyEnergy ContactModel::add_forces(const StepTimes& times, std::span<const B
   for (RigidState& body : rigid_) body.clear_force();
   report_.energy = {};
   report_.least_scale = 1;
+  if (!started_)
+    for (const StartOverlap& overlap : start_overlaps(bodies))
+      if (overlap.is_deep())
+        throw InputError(fmt::format("contact '{}': the bodies overlap by {:.4g} at the start near ({:.6g}, {:.6g}, "
+                                     "{:.6g}), more than half a span ({:.4g}); move them apart",
+                                     overlap.pair, overlap.depth, overlap.place[0], overlap.place[1], overlap.place[2],
+                                     overlap.span_size));
   look_where_stale(bodies);
   move(bodies);
   find(bodies, times);
@@ -160,6 +171,7 @@ void ContactModel::find(std::span<const BodyState> bodies, const StepTimes& time
   pair_of_.clear();
   springs_.clear();
   std::vector<Memory> next;
+  auto known = memory_.begin(); // both ascend
   for (std::size_t p = 0; p < searches_.size(); ++p) {
     const double h = surfaces_[searches_[p].first()].span_size();
     std::vector<Touch> found = find_touches(searches_[p], surfaces_, rigid_);
@@ -180,7 +192,8 @@ void ContactModel::find(std::span<const BodyState> bodies, const StepTimes& time
                                          searches_[p].pair().name, times.time, way, touch.point[0], touch.point[1],
                                          touch.point[2], h));
       Memory memory{touch.key, {}, 0, touch.depth, 0};
-      if (const Memory* known = remembered(touch.key)) {
+      while (known != memory_.end() && known->key < touch.key) ++known;
+      if (known != memory_.end() && known->key == touch.key) {
         memory = *known;
         memory.baseline = std::min(known->baseline, touch.depth);
         memory.depth = touch.depth;
@@ -192,10 +205,6 @@ void ContactModel::find(std::span<const BodyState> bodies, const StepTimes& time
         if (!from_outside) memory.baseline = started_ ? touch.depth - entered : touch.depth;
       }
       if (!started_ && touch.depth > 0) {
-        if (touch.depth > deepest_start * h)
-          throw InputError(fmt::format("contact '{}': the bodies overlap by {:.4g} at the start, more than half a span "
-                                       "({:.4g}); move them apart",
-                                       searches_[p].pair().name, touch.depth, h));
         report_.initial_depth = std::max(report_.initial_depth, touch.depth);
         ++report_.initial_touches;
       }

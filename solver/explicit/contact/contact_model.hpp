@@ -27,6 +27,17 @@ struct ContactReport {
   std::int64_t candidates = 0;
 };
 
+/// Two sides that lie in each other before the first step.
+struct StartOverlap {
+  std::string pair;
+  double depth = 0; ///< of the deepest vertex, length
+  Point3 place{};   ///< where that is
+  std::int64_t vertices = 0;
+  double span_size = 0;                                    ///< length
+  static constexpr double allowed = 0.5;                   ///< in spans
+  bool is_deep() const { return depth > allowed * span_size; } ///< the bodies were placed wrongly
+};
+
 class ContactModel : public PenaltySource {
  public:
   /// @param surfaces  k-th one of the k-th deformable body; the order of all BodyStates
@@ -39,6 +50,11 @@ class ContactModel : public PenaltySource {
   /// @throws InputError for bodies that overlap deeply at the start, NumericalError where sides move so far in a step
   ///         that they could pass each other
   PenaltyEnergy add_forces(const StepTimes& times, std::span<const BodyState> bodies) override;
+  /// The pairs that overlap where the bodies stand now, self-contact left out; for a check before the first step, which
+  /// refuses deep ones. Holds for closed surfaces.
+  std::vector<StartOverlap> start_overlaps(std::span<const BodyState> bodies);
+  /// ContactOptions::step for the bodies whose wave speed is known.
+  double largest_step() const override { return largest_step_; }
   /// Rigid bodies from t_n to t_{n+1}; other forces on them are added before.
   void advance(const StepTimes& times) override;
   /// Of the free rigid bodies.
@@ -96,6 +112,7 @@ class ContactModel : public PenaltySource {
   ContactReport report_;
   bool started_ = false;
   double reference_dt_ = 0; ///< of the springs
+  double largest_step_ = std::numeric_limits<double>::infinity();
   /// Per surface and vertex: mass of the slab behind it / dt², lowered where a node could not bear it; force/length³.
   std::vector<std::vector<double>> density_;
   std::vector<std::vector<double>> vertex_sum_; ///< per surface and vertex: Σ k |weight| of this step
