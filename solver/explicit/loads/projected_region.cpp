@@ -15,8 +15,9 @@ using Eigen::Matrix3Xd;
 
 // Of the diagonal: makes dependent equations solvable; conjugate gradients take its trace away.
 constexpr double shift = 1e-9;
-constexpr double tolerance = 1e-12;
-constexpr int most_iterations = 50;
+// Of the constraint's terms: above rounding, which is no part of what the equations can meet.
+constexpr double tolerance = 1e-10;
+constexpr int most_iterations = 30;
 
 } // namespace
 
@@ -124,7 +125,9 @@ void ProjectedRegion::add_reactions(const StepTimes& times, std::span<const Cons
   Matrix3Xd lambda = Matrix3Xd::Zero(3, n), r = rest / body.gain, z = before(r), p = z;
   const double enough = tolerance * std::sqrt(size) / body.gain;
   double rz = (r.array() * z.array()).sum();
-  for (int k = 0; k < most_iterations && r.norm() > enough && rz > 0; ++k) {
+  double last = 2 * r.norm();
+  for (int k = 0; k < most_iterations && rz > 0 && r.norm() > enough && r.norm() < last; ++k) {
+    last = r.norm();
     Matrix3Xd q = weigh(accelerate(*body.mass, weigh(p)));
     for (Index d = 0; d < 3; ++d)
       if (!settings_.motion[static_cast<std::size_t>(d)]) q.row(d).setZero();
