@@ -1,4 +1,5 @@
-// The impact sample on given models of the cube 0 … 100 mm: what contact costs, how deep it lets sink, what it balances.
+// The impact sample on given models of the cube 0 … 100 mm: what contact costs, how deep it lets sink, what it
+// balances.
 #include "format/io/trimmed_model_io.hpp"
 #include "solver/explicit/contact/contact_model.hpp"
 #include "solver/explicit/integrator.hpp"
@@ -95,13 +96,12 @@ void run(const char* path, const Options& options) {
   std::vector<ContactSurface> surfaces{make_contact_surface(cube.space(), "cube", 6e-8, options.triangles)};
   surfaces[0].wave_speed = cube.forces().reference_wave_speed();
   const std::size_t vertices = surfaces[0].mesh.vertices.size();
-  ContactModel contact(std::move(surfaces), {ball, {"plate", PlaneShape{}, {50, 50, 0}, {}}}, pairs,
-                       contact_options);
+  ContactModel contact(std::move(surfaces), {ball, {"plate", PlaneShape{}, {50, 50, 0}, {}}}, pairs, contact_options);
   TimedContact timed(contact);
   IntegratorSettings run;
   run.end_time = options.end;
   if (options.safety > 0) run.safety = options.safety;
-  
+
   Integrator integrator({&cube}, run);
   integrator.add(timed);
   const double h = model.grid.span_size()[0];
@@ -116,8 +116,7 @@ void run(const char* path, const Options& options) {
   while (!integrator.finished()) {
     integrator.step();
     const ContactReport& report = contact.report();
-    for (std::size_t p = 0; p < report.pairs.size(); ++p)
-      depth[p] = std::max(depth[p], report.pairs[p].largest_depth);
+    for (std::size_t p = 0; p < report.pairs.size(); ++p) depth[p] = std::max(depth[p], report.pairs[p].largest_depth);
     const double force = report.pairs[0].normal_force;
     peak = std::max(peak, force);
     impulse += force * integrator.dt();
@@ -142,10 +141,11 @@ void run(const char* path, const Options& options) {
   fmt::print("  steps {}, {:.2f} s CPU ({:.2f} s wall, {:.2f} s before the first step), contact {:.1f} %, looks {}\n",
              integrator.steps(), total, wall_seconds() - wall - started, started, 100 * timed.seconds / total,
              contact.report().looks);
-  fmt::print("  force at 0.5 {:.4f}, peak {:.4f} kN, impulse {:.4f}; depth / h: ball {:.4f}, plate {:.4f}, self {:.4f}; "
-             "least scale {:.3f}; energy error {:.2e}, friction monotone {}; last velocity {:.6f}\n",
-             early, peak, impulse, depth[0] / h, depth[1] / h, depth[2] / h, smallest, error, monotone,
-             contact.rigid()[0].momentum()[2]);
+  fmt::print(
+      "  force at 0.5 {:.4f}, peak {:.4f} kN, impulse {:.4f}; depth / h: ball {:.4f}, plate {:.4f}, self {:.4f}; "
+      "least scale {:.3f}; energy error {:.2e}, friction monotone {}; last velocity {:.6f}\n",
+      early, peak, impulse, depth[0] / h, depth[1] / h, depth[2] / h, smallest, error, monotone,
+      contact.rigid()[0].momentum()[2]);
 }
 
 } // namespace

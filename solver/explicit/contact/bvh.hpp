@@ -47,8 +47,7 @@ class Bvh {
   }
   /// visit(a, b) for every two different items of the tree whose boxes come within `reach` of each other, once. Leaves
   /// out parts where pass_over(directions of one part, of the other one) holds.
-  template <class PassOver, class Visit>
-  void each_close_pair(double reach, PassOver&& pass_over, Visit&& visit) const {
+  template <class PassOver, class Visit> void each_close_pair(double reach, PassOver&& pass_over, Visit&& visit) const {
     if (nodes_.empty()) return;
     std::vector<std::pair<std::size_t, std::size_t>> open{{0, 0}};
     while (!open.empty()) {

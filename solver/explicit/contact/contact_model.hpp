@@ -33,8 +33,8 @@ struct StartOverlap {
   double depth = 0; ///< of the deepest vertex, length
   Point3 place{};   ///< where that is
   std::int64_t vertices = 0;
-  double span_size = 0;                                    ///< length
-  static constexpr double allowed = 0.5;                   ///< in spans
+  double span_size = 0;                                        ///< length
+  static constexpr double allowed = 0.5;                       ///< in spans
   bool is_deep() const { return depth > allowed * span_size; } ///< the bodies were placed wrongly
 };
 
@@ -120,7 +120,7 @@ class ContactModel : public PenaltySource {
   std::vector<Touch> touches_; ///< ascending by key
   std::vector<std::size_t> pair_of_;
   std::vector<Spring> springs_;
-  std::vector<Memory> memory_; ///< ascending by key
+  std::vector<Memory> memory_;                        ///< ascending by key
   std::vector<Eigen::VectorXd> node_load_, node_sum_; ///< per surface: share of a node's room, (num_nodes)
   std::vector<double> rigid_load_;
   std::vector<Eigen::VectorXd> force_, last_force_; ///< per deformable body, (3 num_nodes)

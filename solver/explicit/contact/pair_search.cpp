@@ -311,8 +311,8 @@ void PairSearch::look_at_own_faces(VertexFaceCandidates& pass, const std::vector
       [](const Box3& a, const Box3& b) { // do all look the same way?
         double least = 0;
         for (std::size_t d = 0; d < 3; ++d)
-          least += std::min({a.lower[d] * b.lower[d], a.lower[d] * b.upper[d], a.upper[d] * b.lower[d],
-                             a.upper[d] * b.upper[d]});
+          least += std::min(
+              {a.lower[d] * b.lower[d], a.lower[d] * b.upper[d], a.upper[d] * b.lower[d], a.upper[d] * b.upper[d]});
         return least > same_way;
       },
       [&](std::int32_t f, std::int32_t g) {

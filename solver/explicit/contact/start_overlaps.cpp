@@ -46,7 +46,8 @@ class Solid {
       for (std::size_t d = 0; d < 3; ++d) around.lower[d] -= reach, around.upper[d] += reach;
       tree_.each_overlap(around, [&](std::int32_t f) {
         const Triangle& t = surface_.mesh().triangles[at(f)];
-        least2 = std::min(least2, closest_on_triangle(x, surface_.x(t[0]), surface_.x(t[1]), surface_.x(t[2])).distance2);
+        least2 =
+            std::min(least2, closest_on_triangle(x, surface_.x(t[0]), surface_.x(t[1]), surface_.x(t[2])).distance2);
       });
       if (std::sqrt(least2) <= reach || reach > size) return std::sqrt(least2);
     }
@@ -104,8 +105,7 @@ std::vector<StartOverlap> ContactModel::start_overlaps(std::span<const BodyState
     if (search.is_self()) continue;
     if (search.second() == PairSearch::npos) {
       const RigidState& body = rigid_[search.pair().second.number];
-      add(search.first(),
-          [&](const Point3& x) { return -distance_to_shape(body.body().shape, body.to_body(x)).gap; });
+      add(search.first(), [&](const Point3& x) { return -distance_to_shape(body.body().shape, body.to_body(x)).gap; });
     } else {
       const Solid first(surfaces_[search.first()]), second(surfaces_[search.second()]);
       add(search.first(), [&](const Point3& x) { return second.depth(x); });

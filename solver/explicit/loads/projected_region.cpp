@@ -86,8 +86,7 @@ void ProjectedRegion::factorise(const MassOperator& mass) {
 }
 
 Matrix3Xd ProjectedRegion::accelerate(const MassOperator& mass, const Matrix3Xd& forces) {
-  for (Index k = 0; k < forces.cols(); ++k)
-    forces_.segment<3>(3 * nodes_[static_cast<std::size_t>(k)]) = forces.col(k);
+  for (Index k = 0; k < forces.cols(); ++k) forces_.segment<3>(3 * nodes_[static_cast<std::size_t>(k)]) = forces.col(k);
   mass.divide(forces_.data(), accelerations_.data(), 1);
   Matrix3Xd result(3, forces.cols());
   for (Index k = 0; k < forces.cols(); ++k)
@@ -141,8 +140,7 @@ void ProjectedRegion::add_reactions(const StepTimes& times, std::span<const Cons
     rz = next;
   }
   const Matrix3Xd reaction = weigh(lambda);
-  for (Index k = 0; k < n; ++k)
-    body.reaction->segment<3>(3 * nodes_[static_cast<std::size_t>(k)]) += reaction.col(k);
+  for (Index k = 0; k < n; ++k) body.reaction->segment<3>(3 * nodes_[static_cast<std::size_t>(k)]) += reaction.col(k);
   const Eigen::Vector3d sum = reaction.rowwise().sum();
   force_ = {sum[0], sum[1], sum[2]};
 }

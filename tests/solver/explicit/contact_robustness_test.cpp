@@ -36,9 +36,9 @@ TEST(StartOverlaps, TellDepthAndPlaceHoweverDeep) {
     ElasticBodies bodies;
     bodies.push_back(make_body(placed_box({0, 0, 0}, {6, 6, 6}, {6, 6, 6}, 2), soft));
     bodies.push_back(make_body(placed_box({2.1, 2.2, z}, {1.5, 1.5, 1.5}, {3, 3, 3}, 2), soft));
-    return std::make_unique<Scene>(std::move(bodies), std::vector<RigidBody>{floor_at(0.1)},
-                                   std::vector<ContactPair>{pair_of(deformable(0), deformable(1)),
-                                                            pair_of(deformable(0), rigid(0))});
+    return std::make_unique<Scene>(
+        std::move(bodies), std::vector<RigidBody>{floor_at(0.1)},
+        std::vector<ContactPair>{pair_of(deformable(0), deformable(1)), pair_of(deformable(0), rigid(0))});
   };
   const auto apart = scene_at(6), inside = scene_at(2.6), shallow = scene_at(5.8);
   auto states = apart->states();
@@ -71,11 +71,10 @@ TEST(ContactAtSpeed, FastBallsBounceAndTooFastOnesAreRefused) {
     ElasticBodies bodies;
     bodies.push_back(make_body(placed_box({-2, -2, -2}, {4, 4, 2}, {4, 4, 2}, 2), soft));
     const double omega = bodies[0]->largest_omega(), dt = 1.8 / omega;
-    return std::make_unique<Scene>(std::move(bodies),
-                                   std::vector<RigidBody>{free_ball(2, 0.02, {0.1, 0.05, 3}, {0, 0, -share / dt}),
-                                                          floor_at(-2)},
-                                   std::vector<ContactPair>{pair_of(deformable(0), rigid(0)),
-                                                            pair_of(deformable(0), rigid(1))});
+    return std::make_unique<Scene>(
+        std::move(bodies),
+        std::vector<RigidBody>{free_ball(2, 0.02, {0.1, 0.05, 3}, {0, 0, -share / dt}), floor_at(-2)},
+        std::vector<ContactPair>{pair_of(deformable(0), rigid(0)), pair_of(deformable(0), rigid(1))});
   };
   const auto fast = scene_with(0.3);
   double lowest = 3;
@@ -137,10 +136,11 @@ TEST(ContactInTime, HeavyBallTakesHertzTimeToBounce) {
     strongest = std::max(strongest, force);
   }
   const double hertz = 4.0 / 3 * stiffness * std::pow(deepest, 1.5);
-  std::printf("[          ] depth %.4f of Hertz', time %.4f of 2.9432 d/v and %.4f of Hertz', force %.4f of that at the "
-              "depth\n",
-              deepest / wanted, (last - first) / (2.9432 * deepest / v), (last - first) / (2.9432 * wanted / v),
-              strongest / hertz);
+  std::printf(
+      "[          ] depth %.4f of Hertz', time %.4f of 2.9432 d/v and %.4f of Hertz', force %.4f of that at the "
+      "depth\n",
+      deepest / wanted, (last - first) / (2.9432 * deepest / v), (last - first) / (2.9432 * wanted / v),
+      strongest / hertz);
   // The block is finite: a floor 4.5 contact radii below stiffens it, free sides soften it.
   EXPECT_NEAR((last - first) / (2.9432 * deepest / v), 1, 0.05);
   EXPECT_NEAR(deepest / wanted, 1, 0.1);
