@@ -19,6 +19,7 @@ struct ContactSurface {
   Eigen::SparseMatrix<double, Eigen::RowMajor> S; ///< (num_vertices × num_nodes)
   double span_size = 0;                           ///< smallest side of a span, length
   double density = 0;                             ///< mass/length³
+  double wave_speed = 0;                          ///< of the body's law at rest, length/time; 0: unknown
 };
 
 /// Where a force evaluation stands in time, and what the time-step control leaves to penalties.
@@ -27,6 +28,7 @@ struct StepTimes {
   double dt_last = 0;   ///< t_n - t_{n-1}; 0 in the first evaluation of a run
   double dt = 0;        ///< t_{n+1} - t_n
   double budget = 0.76; ///< 4 - x² - 4 ξ x with x = dt ω_max: bound on dt² λ_max(M⁻¹ K) of all penalties together
+  double lasting = 0.76; ///< budget that is left when dt has grown or stability has shrunk to the run's safety factor
 };
 
 /// State of one body at a force evaluation. All vectors (3 num_nodes), component fastest.

@@ -1,7 +1,6 @@
 #include "solver/explicit/integrator.hpp"
 
 #include "format/model/errors.hpp"
-#include "solver/explicit/node_update.hpp"
 
 #include <fmt/format.h>
 
@@ -32,7 +31,8 @@ void Integrator::prepare(std::vector<StartStep> limits) {
     const Point3 h = bodies_[b]->space().model().grid.span_size();
     InternalForces& forces = bodies_[b]->forces();
     forces.set_frequency_ratio(limits_[b].omega * std::min({h[0], h[1], h[2]}) / (2 * forces.reference_wave_speed()));
-    if (!loads_.empty()) external_[b].load.resize(bodies_[b]->num_unknowns());
+    if (!loads_.empty() || !constraints_.empty()) external_[b].load.resize(bodies_[b]->num_unknowns());
+    if (!constraints_.empty()) external_[b].reaction.resize(bodies_[b]->num_unknowns());
     if (!penalties_.empty()) {
       external_[b].penalty.resize(bodies_[b]->num_unknowns());
       external_[b].penalty_sum.resize(bodies_[b]->space().num_nodes());
@@ -93,7 +93,7 @@ StepTimes Integrator::times() const {
   double x = 0;
   for (std::size_t b = 0; b < bodies_.size(); ++b)
     x = std::max(x, 2 * dt_next_ / (limits_[b].dt * reports_[b].step_factor));
-  return {time_, dt_last_, dt_next_, std::max(0.0, 4 - x * x)};
+  return {time_, dt_last_, dt_next_, std::max(0.0, 4 - x * x), 4 - 4 * settings_.safety * settings_.safety};
 }
 
 void Integrator::kick() {
@@ -141,6 +141,7 @@ void Integrator::choose_step() {
         time_, dt, settings_.floor, first, bodies_[limiting]->settings().name,
         place(limiting, reports_[limiting].step_span), reports_[limiting].min_J));
   if (settings_.largest_dt > 0) dt = std::min(dt, settings_.largest_dt);
+  for (const PenaltySource* source : penalties_) dt = std::min(dt, source->largest_step());
   follow(dt);
   dt = control_.dt;
   // The last two steps share what is left, so that none is tiny.
@@ -153,7 +154,7 @@ void Integrator::choose_step() {
 }
 
 void Integrator::evaluate_external() {
-  if (loads_.empty() && penalties_.empty()) return;
+  if (loads_.empty() && penalties_.empty() && constraints_.empty()) return;
   std::vector<BodyState> states(bodies_.size());
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const ExplicitBody& body = *bodies_[b];
@@ -171,15 +172,35 @@ void Integrator::evaluate_external() {
     penalty_.friction += added.friction;
     penalty_.damping += added.damping;
   }
+  constrain();
   for (PenaltySource* source : penalties_) source->advance(times());
 }
 
-void Integrator::kick_body(std::size_t b) {
-  const External& external = external_[b];
+NodeForces Integrator::forces_on(std::size_t b) const {
   NodeForces forces{nullptr, nullptr, dt_last_, dt_next_};
-  if (!loads_.empty()) forces.load = &external.load;
-  if (!penalties_.empty()) forces.penalty = &external.penalty;
-  const NodeSums sums = update_momentum(*bodies_[b], forces);
+  if (external_[b].load.size() > 0) forces.load = &external_[b].load;
+  if (external_[b].penalty.size() > 0) forces.penalty = &external_[b].penalty;
+  return forces;
+}
+
+void Integrator::constrain() {
+  if (constraints_.empty()) return;
+  std::vector<ConstrainedBody> states(bodies_.size());
+  for (ConstraintSource* source : constraints_) {
+    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+      const ExplicitBody& body = *bodies_[b];
+      External& external = external_[b];
+      const double gain = next_velocity(body, forces_on(b), external.next_velocity);
+      external.reaction.setZero();
+      states[b] = {&body.displacement, &external.next_velocity, &body.mass(), gain, &external.reaction};
+    }
+    source->add_reactions(times(), states);
+    for (External& external : external_) external.load += external.reaction;
+  }
+}
+
+void Integrator::kick_body(std::size_t b) {
+  const NodeSums sums = update_momentum(*bodies_[b], forces_on(b));
   closed_.internal += sums.before.internal * dt_last_ / 2;
   closed_.load += sums.before.load * dt_last_ / 2;
   closed_.damping += sums.before.damping * dt_last_ / 2;

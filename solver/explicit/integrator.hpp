@@ -4,6 +4,7 @@
 #include "solver/explicit/energy_balance.hpp"
 #include "solver/explicit/explicit_body.hpp"
 #include "solver/explicit/force_source.hpp"
+#include "solver/explicit/node_update.hpp"
 
 namespace iga::solve {
 
@@ -63,6 +64,7 @@ class Integrator {
 
   void add(PenaltySource& source) { penalties_.push_back(&source); }
   void add(LoadSource& source) { loads_.push_back(&source); }
+  void add(ConstraintSource& source) { constraints_.push_back(&source); }
 
   /// The limits of the bodies at rest, and the forces and half step at t = 0. Limits may be given where they are known.
   /// @throws NumericalError as ExplicitBody::start_step and step
@@ -105,18 +107,22 @@ class Integrator {
   void follow(double limit);
   StepTimes times() const;
   void evaluate_external();
+  NodeForces forces_on(std::size_t b) const;
+  void constrain();
   void kick_body(std::size_t b);
   void balance();
   std::string place(std::size_t b, std::int32_t span) const;
 
   struct External { // on one body; empty vectors where nothing acts
     Eigen::VectorXd load, penalty, penalty_sum;
+    Eigen::VectorXd next_velocity, reaction; // with constraints
   };
 
   std::vector<ExplicitBody*> bodies_;
   IntegratorSettings settings_;
   std::vector<PenaltySource*> penalties_;
   std::vector<LoadSource*> loads_;
+  std::vector<ConstraintSource*> constraints_;
   std::vector<StartStep> limits_;
   std::vector<ForceReport> reports_;
   std::vector<External> external_;

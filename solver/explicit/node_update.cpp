@@ -40,7 +40,7 @@ void add(NodeSums& all, const NodeSums& part) {
 // One body's step, node by node.
 class Update {
  public:
-  Update(ExplicitBody& body, const NodeForces& forces)
+  Update(const ExplicitBody& body, const NodeForces& forces)
       : body_(body), forces_(forces), weight_(body.weight().size() > 0), alpha_(body.settings().damping),
         is_first_(forces.dt_last == 0), h_((forces.dt_last + forces.dt_next) / 2),
         next_share_(forces.dt_next / (2 * h_)),
@@ -60,6 +60,7 @@ class Update {
     if (is_first_) return p + h_ * (f - alpha_ * p);
     return ((1 - alpha_ * h_ / 2) * p + h_ * f) / (1 + alpha_ * h_ / 2);
   }
+  double gain() const { return is_first_ ? h_ : h_ / (1 + alpha_ * h_ / 2); }
   void count(Index n, const Vector3d& f_load, const Vector3d& f_penalty, const Vector3d& p, const Vector3d& v,
              NodeSums& sums) const {
     const Vector3d p_last = body_.momentum.segment<3>(3 * n), v_last = body_.velocity.segment<3>(3 * n);
@@ -130,6 +131,18 @@ NodeSums update_momentum(ExplicitBody& body, const NodeForces& forces) {
   NodeSums all;
   for (const NodeSums& part : parts) add(all, part);
   return all;
+}
+
+double next_velocity(const ExplicitBody& body, const NodeForces& forces, VectorXd& velocity) {
+  const Update update(body, forces);
+  VectorXd p(body.num_unknowns());
+  velocity.resize(body.num_unknowns());
+  for_chunks(body.space().num_nodes(), [&](Index, Index first, Index last) {
+    for (Index n = first; n < last; ++n)
+      p.segment<3>(3 * n) = update.next_momentum(n, update.load(n) + update.penalty(n));
+  });
+  body.mass().divide(p.data(), velocity.data(), 1);
+  return update.gain();
 }
 
 void update_displacement(ExplicitBody& body, double dt) {

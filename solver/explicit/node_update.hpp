@@ -28,6 +28,10 @@ struct NodeSums {
 /// v = M⁻¹ p; in the first step p_{1/2} = p_0 + dt_next/2 (f - α p_0). Same bits for any number of threads.
 NodeSums update_momentum(ExplicitBody& body, const NodeForces& forces);
 
+/// What the forces would make of the velocity. (num_unknowns)
+/// @return the time by which a force f more would add to it: gain M⁻¹ f
+double next_velocity(const ExplicitBody& body, const NodeForces& forces, Eigen::VectorXd& velocity);
+
 /// u += dt v.
 void update_displacement(ExplicitBody& body, double dt);
 

@@ -4,6 +4,7 @@
 #include "format/model/types.hpp"
 
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace iga::solve {
@@ -19,6 +20,7 @@ class Bvh {
  public:
   Bvh() = default;
   explicit Bvh(std::span<const Box3> boxes);
+  bool empty() const { return nodes_.empty(); }
   /// New boxes of the same items, and the items' directions (or none). @param boxes as many as before
   void refit(std::span<const Box3> boxes, std::span<const Point3> directions = {});
 
@@ -43,6 +45,30 @@ class Bvh {
       ++node;
     }
   }
+  /// visit(a, b) for every two different items of the tree whose boxes come within `reach` of each other, once. Leaves
+  /// out parts where pass_over(directions of one part, of the other one) holds.
+  template <class PassOver, class Visit> void each_close_pair(double reach, PassOver&& pass_over, Visit&& visit) const {
+    if (nodes_.empty()) return;
+    std::vector<std::pair<std::size_t, std::size_t>> open{{0, 0}};
+    while (!open.empty()) {
+      const auto [i, j] = open.back();
+      open.pop_back();
+      const Node &a = nodes_[i], &b = nodes_[j];
+      if (i != j && !within(a.box, b.box, reach)) continue;
+      if (pass_over(a.directions, b.directions)) continue;
+      if (a.second == 0 && b.second == 0) {
+        for (std::size_t k = a.first; k < a.last; ++k)
+          for (std::size_t l = i == j ? k + 1 : b.first; l < b.last; ++l)
+            if (within(boxes_[k], boxes_[l], reach)) visit(items_[k], items_[l]);
+      } else if (i == j) {
+        open.insert(open.end(), {{i + 1, i + 1}, {a.second, a.second}, {i + 1, a.second}});
+      } else if (b.second == 0 || (a.second > 0 && size(a.box) >= size(b.box))) {
+        open.insert(open.end(), {{i + 1, j}, {a.second, j}});
+      } else {
+        open.insert(open.end(), {{i, j + 1}, {i, b.second}});
+      }
+    }
+  }
 
  private:
   struct Node {
@@ -51,6 +77,14 @@ class Bvh {
     std::size_t skip = 0;            ///< the node after this one's subtree
     std::size_t second = 0;          ///< second child of an inner node; the first one follows its parent
   };
+  static bool within(const Box3& a, const Box3& b, double reach) {
+    for (std::size_t d = 0; d < 3; ++d)
+      if (a.lower[d] > b.upper[d] + reach || b.lower[d] > a.upper[d] + reach) return false;
+    return true;
+  }
+  static double size(const Box3& box) {
+    return box.upper[0] - box.lower[0] + box.upper[1] - box.lower[1] + box.upper[2] - box.lower[2];
+  }
   void build(std::span<const Box3> boxes, std::size_t first, std::size_t last);
 
   std::vector<Node> nodes_; ///< preorder

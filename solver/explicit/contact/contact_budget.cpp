@@ -15,9 +15,8 @@ namespace {
 
 constexpr double inf = std::numeric_limits<double>::infinity();
 constexpr std::size_t grain = 64;
-// Weight of a free rigid body in the bound, in shares of what its own mass would need: large enough for its own row,
-// small enough not to burden the nodes.
-constexpr double rigid_margin = 4;
+// Crushed foam lowers the stable step to a share of this.
+constexpr double shrinkage = 2.4;
 
 /// Damping c = 2 ξ √(k m) with m = k dt² / η counts like a spring of 2 c / dt.
 double damping_factor(const ContactPair& pair) {
@@ -29,22 +28,30 @@ double room(const BodyState& body, std::size_t node, const StepTimes& times) {
   return times.budget * (*body.masses)[i] / (body.mass_passes * times.dt * times.dt) - (*body.penalty_sum)[i];
 }
 
-double share_of(double room, double sum) {
-  if (sum <= 0) return 1;
-  return std::clamp(room / sum, 0.0, 1.0);
+double ratio(double sum, double room) {
+  if (sum <= 0) return 0;
+  return room > 0 ? sum / room : inf;
 }
 
-/// Smallest share over the nodes of a vertex.
-double least_over_row(const SparseRows& S, std::int32_t v, const Eigen::VectorXd& share) {
-  double least = 1;
-  for (auto e = at(S.first[at(v)]); e < at(S.first[at(v) + 1]); ++e) least = std::min(least, share[S.column[e]]);
-  return least;
+double share_of(double load) {
+  return load > 1 ? 1 / load : 1;
+}
+
+/// Σ_j |S_vj| z_j.
+double over_row(const SparseRows& S, std::int32_t v, const Eigen::VectorXd& z) {
+  double sum = 0;
+  for (auto e = at(S.first[at(v)]); e < at(S.first[at(v) + 1]); ++e) sum += std::abs(S.value[e]) * z[S.column[e]];
+  return sum;
 }
 
 } // namespace
 
 void ContactModel::share_budget(std::span<const BodyState> bodies, const StepTimes& times) {
   reference_dt_ = times.dt;
+  // Springs shall last while stability shrinks: x = dt ω_max grows, but not beyond that of the run's safety factor.
+  StepTimes later = times;
+  const double x2 = shrinkage * shrinkage * (4 - times.budget);
+  later.budget = std::min(times.budget, std::max(times.lasting, 4 - x2));
   density_.assign(surfaces_.size(), {});
   for (std::size_t s = 0; s < surfaces_.size(); ++s) {
     const MovingSurface& surface = surfaces_[s];
@@ -69,21 +76,24 @@ void ContactModel::share_budget(std::span<const BodyState> bodies, const StepTim
     }
     // All faces that look one way in contact at once, for each of six ways: what lies around an edge touches different
     // things, if ever at once (then the budget of the step decides).
-    Eigen::VectorXd share = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(surface.columns().rows()));
+    std::vector<double> share(density.size(), 1);
+    Eigen::VectorXd load(static_cast<Eigen::Index>(surface.columns().rows()));
     for (std::size_t way = 0; way < 6; ++way) {
       std::vector<double> sums(mesh.vertices.size(), 0);
       for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
         const double facing = (way % 2 == 0 ? 1 : -1) * mesh.face_normal[f][way / 2];
         if (facing <= 0) continue;
         for (const std::int32_t v : mesh.triangles[f])
-          sums[at(v)] += strongest * density[at(v)] * facing * mesh.face_area[f] / 3 * surface.weight_sum(v);
+          sums[at(v)] += strongest * density[at(v)] * facing * mesh.face_area[f] / 3;
       }
-      const Eigen::VectorXd at_nodes = sum_at_nodes(surface, surface.nodes(), sums);
+      sum_at_nodes(surface.columns(), surface.nodes(), sums, load);
       for (const std::int32_t i : surface.nodes())
-        share[i] = std::min(share[i], share_of(room(bodies[surface.owner()], at(i), times), at_nodes[i]));
+        load[i] = ratio(load[i], room(bodies[surface.owner()], at(i), later));
+      for (std::size_t v = 0; v < share.size(); ++v)
+        if (sums[v] > 0)
+          share[v] = std::min(share[v], share_of(over_row(surface.rows(), static_cast<std::int32_t>(v), load)));
     }
-    for (std::size_t v = 0; v < density.size(); ++v)
-      density[v] *= least_over_row(surface.rows(), static_cast<std::int32_t>(v), share);
+    for (std::size_t v = 0; v < density.size(); ++v) density[v] *= share[v];
   }
 }
 
@@ -106,41 +116,8 @@ void ContactModel::set_springs() {
   }
 }
 
-void ContactModel::weigh_rigid(const StepTimes& times) {
-  std::fill(rigid_weight_.begin(), rigid_weight_.end(), 0.0);
-  std::fill(rigid_sum_.begin(), rigid_sum_.end(), 0.0);
-  for (std::size_t c = 0; c < touches_.size(); ++c) {
-    const Touch& touch = touches_[c];
-    if (touch.rigid < 0 || !rigid_[at(touch.rigid)].is_free()) continue;
-    const RigidState& body = rigid_[at(touch.rigid)];
-    const Eigen::Vector3d& centre = body.pose().centre;
-    const Point3 arm = minus(touch.point, {centre[0], centre[1], centre[2]});
-    springs_[c].lever = 1 + norm(arm) / body.radius_of_gyration();
-    rigid_weight_[at(touch.rigid)] += springs_[c].stiffness * springs_[c].with_damping * springs_[c].lever;
-  }
-  for (std::size_t r = 0; r < rigid_.size(); ++r)
-    if (rigid_[r].is_free())
-      rigid_weight_[r] =
-          std::min(1.0, rigid_margin * rigid_weight_[r] * times.dt * times.dt / (times.budget * rigid_[r].mass()));
-}
-
-void ContactModel::sum_at_vertices(bool scaled) {
-  for (auto& sums : vertex_sum_) std::fill(sums.begin(), sums.end(), 0.0);
-  for (std::size_t c = 0; c < touches_.size(); ++c) {
-    const Touch& touch = touches_[c];
-    const Spring& spring = springs_[c];
-    const double k = spring.stiffness * spring.with_damping * spring.reach * (scaled ? spring.scale : 1);
-    for (int i = 0; i < touch.count; ++i) {
-      const Touch::Entry& e = touch.entries[at(i)];
-      vertex_sum_[e.surface][at(e.vertex)] += k * std::abs(e.weight);
-    }
-  }
-}
-
-Eigen::VectorXd ContactModel::sum_at_nodes(const MovingSurface& surface, const std::vector<std::int32_t>& nodes,
-                                           const std::vector<double>& at_vertices) const {
-  const SparseRows& T = surface.columns();
-  Eigen::VectorXd sums = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(T.rows()));
+void ContactModel::sum_at_nodes(const SparseRows& T, const std::vector<std::int32_t>& nodes,
+                                const std::vector<double>& at_vertices, Eigen::VectorXd& sums) {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, nodes.size(), grain), [&](const auto& range) {
     for (std::size_t k = range.begin(); k != range.end(); ++k) {
       const std::size_t i = at(nodes[k]);
@@ -150,66 +127,72 @@ Eigen::VectorXd ContactModel::sum_at_nodes(const MovingSurface& surface, const s
       sums[nodes[k]] = sum;
     }
   });
-  return sums;
+}
+
+void ContactModel::sum_at_vertices() {
+  for (auto& sums : vertex_sum_) std::fill(sums.begin(), sums.end(), 0.0);
+  for (std::size_t c = 0; c < touches_.size(); ++c) {
+    const Touch& touch = touches_[c];
+    const double k = springs_[c].stiffness * springs_[c].with_damping * springs_[c].scale * springs_[c].load;
+    for (int i = 0; i < touch.count; ++i) {
+      const Touch::Entry& e = touch.entries[at(i)];
+      vertex_sum_[e.surface][at(e.vertex)] += k * std::abs(e.weight);
+    }
+  }
+}
+
+void ContactModel::load_rigid(const StepTimes& times) {
+  std::fill(rigid_load_.begin(), rigid_load_.end(), 0.0);
+  for (std::size_t c = 0; c < touches_.size(); ++c) {
+    const Touch& touch = touches_[c];
+    if (touch.rigid < 0 || !rigid_[at(touch.rigid)].is_free()) continue;
+    const RigidState& body = rigid_[at(touch.rigid)];
+    const Eigen::Vector3d& centre = body.pose().centre;
+    const Point3 arm = minus(touch.point, {centre[0], centre[1], centre[2]});
+    springs_[c].lever = 1 + norm(arm) / body.radius_of_gyration();
+    rigid_load_[at(touch.rigid)] += springs_[c].stiffness * springs_[c].with_damping * springs_[c].lever;
+  }
+  for (std::size_t r = 0; r < rigid_.size(); ++r)
+    rigid_load_[r] = ratio(rigid_load_[r], times.budget * rigid_[r].mass() / (times.dt * times.dt));
 }
 
 void ContactModel::keep_within_budget(std::span<const BodyState> bodies, const StepTimes& times) {
   if (touches_.empty()) return;
-  weigh_rigid(times);
-  for (std::size_t c = 0; c < touches_.size(); ++c) {
-    const Touch& touch = touches_[c];
-    Spring& spring = springs_[c];
-    spring.reach = 0;
-    for (int i = 0; i < touch.count; ++i) {
-      const Touch::Entry& e = touch.entries[at(i)];
-      spring.reach += std::abs(e.weight) * surfaces_[e.surface].weight_sum(e.vertex);
-    }
-    if (spring.lever > 0) {
-      const std::size_t r = at(touch.rigid);
-      spring.reach += rigid_weight_[r] * spring.lever;
-      rigid_sum_[r] += spring.stiffness * spring.with_damping * spring.reach * spring.lever;
-    }
-  }
-  sum_at_vertices(false);
-  std::vector<Eigen::VectorXd> sums(surfaces_.size()), share(surfaces_.size());
-  const auto sum_up = [&] {
-    for (std::size_t s = 0; s < surfaces_.size(); ++s)
-      if (!surfaces_[s].is_rigid()) sums[s] = sum_at_nodes(surfaces_[s], surfaces_[s].active_nodes(), vertex_sum_[s]);
-  };
-  sum_up();
-  double least = 1;
+  load_rigid(times);
+  sum_at_vertices();
   for (std::size_t s = 0; s < surfaces_.size(); ++s) {
-    if (surfaces_[s].is_rigid()) continue;
-    share[s] = Eigen::VectorXd::Ones(sums[s].size());
-    for (const std::int32_t i : surfaces_[s].active_nodes()) {
-      share[s][i] = share_of(room(bodies[surfaces_[s].owner()], at(i), times), sums[s][i]);
-      least = std::min(least, share[s][i]);
-    }
+    const MovingSurface& surface = surfaces_[s];
+    if (surface.is_rigid()) continue;
+    sum_at_nodes(surface.active_columns(), surface.active_nodes(), vertex_sum_[s], node_load_[s]);
+    for (const std::int32_t i : surface.active_nodes())
+      node_load_[s][i] = ratio(node_load_[s][i], room(bodies[surface.owner()], at(i), times));
   }
-  std::vector<double> rigid_share(rigid_.size(), 1);
-  for (std::size_t r = 0; r < rigid_.size(); ++r)
-    if (rigid_sum_[r] > 0) {
-      const double room = times.budget * rigid_[r].mass() * rigid_weight_[r] / (times.dt * times.dt);
-      rigid_share[r] = share_of(room, rigid_sum_[r]);
-      least = std::min(least, rigid_share[r]);
-    }
-  report_.least_scale = least;
-  if (least < 1)
-    for (std::size_t c = 0; c < touches_.size(); ++c) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, touches_.size(), grain), [&](const auto& range) {
+    for (std::size_t c = range.begin(); c != range.end(); ++c) {
       const Touch& touch = touches_[c];
+      Spring& spring = springs_[c];
+      spring.load = spring.lever > 0 ? spring.lever * rigid_load_[at(touch.rigid)] : 0;
       for (int i = 0; i < touch.count; ++i) {
         const Touch::Entry& e = touch.entries[at(i)];
-        springs_[c].scale =
-            std::min(springs_[c].scale, least_over_row(surfaces_[e.surface].rows(), e.vertex, share[e.surface]));
+        spring.load += std::abs(e.weight) * over_row(surfaces_[e.surface].rows(), e.vertex, node_load_[e.surface]);
       }
-      if (touch.rigid >= 0) springs_[c].scale = std::min(springs_[c].scale, rigid_share[at(touch.rigid)]);
+      spring.scale = share_of(spring.load);
     }
-  if (least < 1) {
-    sum_at_vertices(true);
-    sum_up();
+  });
+  for (Spring& spring : springs_) {
+    report_.least_scale = std::min(report_.least_scale, spring.scale);
+    if (!(spring.load < inf)) spring.load = 0; // without force
   }
-  for (std::size_t s = 0; s < surfaces_.size(); ++s)
-    if (!surfaces_[s].is_rigid()) *bodies[surfaces_[s].owner()].penalty_sum += sums[s];
+  // What the springs take of each node's room: Σ k |a_i| load / load_i, at most all of it.
+  sum_at_vertices();
+  for (std::size_t s = 0; s < surfaces_.size(); ++s) {
+    const MovingSurface& surface = surfaces_[s];
+    if (surface.is_rigid()) continue;
+    sum_at_nodes(surface.active_columns(), surface.active_nodes(), vertex_sum_[s], node_sum_[s]);
+    Eigen::VectorXd& sum = *bodies[surface.owner()].penalty_sum;
+    for (const std::int32_t i : surface.active_nodes())
+      if (node_load_[s][i] > 0) sum[i] += node_sum_[s][i] / node_load_[s][i];
+  }
 }
 
 } // namespace iga::solve

@@ -88,7 +88,7 @@ void ContactModel::hand_back(std::span<const BodyState> bodies, const StepTimes&
   for (std::size_t s = 0; s < surfaces_.size(); ++s) {
     const MovingSurface& surface = surfaces_[s];
     if (surface.is_rigid()) continue;
-    const SparseRows& T = surface.columns();
+    const SparseRows& T = surface.active_columns();
     Eigen::VectorXd& force = force_[surface.owner()];
     force.setZero();
     auto& at_vertices = vertex_force_[s];

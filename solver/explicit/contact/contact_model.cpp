@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 
 namespace iga::solve {
 
@@ -16,8 +18,6 @@ namespace {
 constexpr double entry_allowance = 1.5;
 // … and this much for rounding, in spans.
 constexpr double entry_rounding = 1e-6;
-// Bodies that overlap more than this at the start (in spans) were placed wrongly.
-constexpr double deepest_start = 0.5;
 // Sides that come closer by more than this in one step (in spans) could miss each other.
 constexpr double longest_step = 0.5;
 
@@ -32,6 +32,12 @@ ContactModel::ContactModel(std::vector<ContactSurface> surfaces, std::vector<Rig
   double largest_span = 0;
   for (std::size_t b = 0; b < surfaces.size(); ++b) {
     largest_span = std::max(largest_span, surfaces[b].span_size);
+    const auto touches = [&](const ContactPair& pair) {
+      const auto is_it = [&](const ContactSide& s) { return s.kind == ContactSide::Kind::Deformable && s.number == b; };
+      return is_it(pair.first) || is_it(pair.second);
+    };
+    if (surfaces[b].wave_speed > 0 && std::any_of(pairs.begin(), pairs.end(), touches))
+      largest_step_ = std::min(largest_step_, options.step * surfaces[b].span_size / surfaces[b].wave_speed);
     force_.emplace_back(Eigen::VectorXd::Zero(3 * surfaces[b].S.cols()));
     surfaces_.emplace_back(std::move(surfaces[b]), b);
   }
@@ -52,18 +58,26 @@ ContactModel::ContactModel(std::vector<ContactSurface> surfaces, std::vector<Rig
   for (const MovingSurface& s : surfaces_) {
     vertex_sum_.emplace_back(s.mesh().vertices.size(), 0);
     vertex_force_.emplace_back(s.mesh().vertices.size(), Point3{});
+    node_load_.emplace_back(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(s.columns().rows())));
+    node_sum_.push_back(node_load_.back());
   }
-  rigid_weight_.assign(rigid_.size(), 0);
-  rigid_sum_.assign(rigid_.size(), 0);
+  rigid_load_.assign(rigid_.size(), 0);
 }
 
 PenaltyEnergy ContactModel::add_forces(const StepTimes& times, std::span<const BodyState> bodies) {
   for (RigidState& body : rigid_) body.clear_force();
   report_.energy = {};
   report_.least_scale = 1;
+  if (!started_)
+    for (const StartOverlap& overlap : start_overlaps(bodies))
+      if (overlap.is_deep())
+        throw InputError(fmt::format("contact '{}': the bodies overlap by {:.4g} at the start near ({:.6g}, {:.6g}, "
+                                     "{:.6g}), more than half a span ({:.4g}); move them apart",
+                                     overlap.pair, overlap.depth, overlap.place[0], overlap.place[1], overlap.place[2],
+                                     overlap.span_size));
   look_where_stale(bodies);
-  move(bodies, times);
-  find(times);
+  move(bodies);
+  find(bodies, times);
   if (reference_dt_ == 0 || times.dt > 1.05 * reference_dt_) share_budget(bodies, times);
   set_springs();
   keep_within_budget(bodies, times);
@@ -125,10 +139,10 @@ void ContactModel::look_where_stale(std::span<const BodyState> bodies) {
   for (std::size_t s = 0; s < surfaces_.size(); ++s) surfaces_[s].activate(std::move(active[s]));
 }
 
-void ContactModel::move(std::span<const BodyState> bodies, const StepTimes& times) {
+void ContactModel::move(std::span<const BodyState> bodies) {
   for (MovingSurface& s : surfaces_) {
     if (s.is_rigid())
-      s.move_active(rigid_[s.owner()], times);
+      s.move_active(rigid_[s.owner()]);
     else
       s.move_active(bodies[s.owner()]);
   }
@@ -140,27 +154,36 @@ const ContactModel::Memory* ContactModel::remembered(std::uint64_t key) const {
   return found != memory_.end() && found->key == key ? &*found : nullptr;
 }
 
-Point3 ContactModel::relative_velocity(const Touch& touch, const StepTimes& times) const {
+Point3 ContactModel::relative_velocity(const Touch& touch, std::span<const BodyState> bodies,
+                                       const StepTimes& times) const {
   Point3 v{};
   for (int i = 0; i < touch.count; ++i) {
     const Touch::Entry& e = touch.entries[at(i)];
-    v = plus(v, iga::times(surfaces_[e.surface].velocity(e.vertex), e.weight));
+    v = plus(v, iga::times(surfaces_[e.surface].velocity(e.vertex, bodies[surfaces_[e.surface].owner()]), e.weight));
   }
   if (touch.rigid >= 0)
     v = plus(v, iga::times(rigid_[at(touch.rigid)].velocity_at(touch.point, times), touch.rigid_sign));
   return v;
 }
 
-void ContactModel::find(const StepTimes& times) {
+void ContactModel::find(std::span<const BodyState> bodies, const StepTimes& times) {
   touches_.clear();
   pair_of_.clear();
   springs_.clear();
   std::vector<Memory> next;
+  auto known = memory_.begin(); // both ascend
   for (std::size_t p = 0; p < searches_.size(); ++p) {
     const double h = surfaces_[searches_[p].first()].span_size();
-    for (Touch& touch : find_touches(searches_[p], surfaces_, rigid_)) {
+    std::vector<Touch> found = find_touches(searches_[p], surfaces_, rigid_);
+    std::vector<Point3> velocities(found.size());
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, found.size(), 64), [&](const auto& range) {
+      for (std::size_t c = range.begin(); c != range.end(); ++c)
+        velocities[c] = relative_velocity(found[c], bodies, times);
+    });
+    for (std::size_t c = 0; c < found.size(); ++c) {
+      Touch& touch = found[c];
       touch.key = pair_key(p, touch.key);
-      const Point3 velocity = relative_velocity(touch, times);
+      const Point3& velocity = velocities[c];
       const double way = norm(velocity) * (started_ ? times.dt_last : 0);
       if (way > longest_step * h)
         throw NumericalError(fmt::format("contact '{}' at time {:.6g}: sides move {:.3g} against each other in one "
@@ -169,7 +192,8 @@ void ContactModel::find(const StepTimes& times) {
                                          searches_[p].pair().name, times.time, way, touch.point[0], touch.point[1],
                                          touch.point[2], h));
       Memory memory{touch.key, {}, 0, touch.depth, 0};
-      if (const Memory* known = remembered(touch.key)) {
+      while (known != memory_.end() && known->key < touch.key) ++known;
+      if (known != memory_.end() && known->key == touch.key) {
         memory = *known;
         memory.baseline = std::min(known->baseline, touch.depth);
         memory.depth = touch.depth;
@@ -181,10 +205,6 @@ void ContactModel::find(const StepTimes& times) {
         if (!from_outside) memory.baseline = started_ ? touch.depth - entered : touch.depth;
       }
       if (!started_ && touch.depth > 0) {
-        if (touch.depth > deepest_start * h)
-          throw InputError(fmt::format("contact '{}': the bodies overlap by {:.4g} at the start, more than half a span "
-                                       "({:.4g}); move them apart",
-                                       searches_[p].pair().name, touch.depth, h));
         report_.initial_depth = std::max(report_.initial_depth, touch.depth);
         ++report_.initial_touches;
       }

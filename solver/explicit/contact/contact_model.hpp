@@ -27,6 +27,17 @@ struct ContactReport {
   std::int64_t candidates = 0;
 };
 
+/// Two sides that lie in each other before the first step.
+struct StartOverlap {
+  std::string pair;
+  double depth = 0; ///< of the deepest vertex, length
+  Point3 place{};   ///< where that is
+  std::int64_t vertices = 0;
+  double span_size = 0;                                        ///< length
+  static constexpr double allowed = 0.5;                       ///< in spans
+  bool is_deep() const { return depth > allowed * span_size; } ///< the bodies were placed wrongly
+};
+
 class ContactModel : public PenaltySource {
  public:
   /// @param surfaces  k-th one of the k-th deformable body; the order of all BodyStates
@@ -39,6 +50,11 @@ class ContactModel : public PenaltySource {
   /// @throws InputError for bodies that overlap deeply at the start, NumericalError where sides move so far in a step
   ///         that they could pass each other
   PenaltyEnergy add_forces(const StepTimes& times, std::span<const BodyState> bodies) override;
+  /// The pairs that overlap where the bodies stand now, self-contact left out; for a check before the first step, which
+  /// refuses deep ones. Holds for closed surfaces.
+  std::vector<StartOverlap> start_overlaps(std::span<const BodyState> bodies);
+  /// ContactOptions::step for the bodies whose wave speed is known.
+  double largest_step() const override { return largest_step_; }
   /// Rigid bodies from t_n to t_{n+1}; other forces on them are added before.
   void advance(const StepTimes& times) override;
   /// Of the free rigid bodies.
@@ -66,24 +82,24 @@ class ContactModel : public PenaltySource {
   struct Spring {
     double stiffness = 0, scale = 1;
     double with_damping = 1; ///< factor on the stiffness in the bound of stability
-    double reach = 1;        ///< Σ of weights that the bound multiplies with
+    double load = 1;         ///< dt² λ of the bound over the budget, as this spring and those beside it would have it
     double lever = 0;        ///< 1 + arm / radius of gyration of a free rigid body
     Point3 velocity{};       ///< relative, of the side pushed along the normal
   };
 
   void look_where_stale(std::span<const BodyState> bodies);
-  void move(std::span<const BodyState> bodies, const StepTimes& times);
-  void find(const StepTimes& times);
+  void move(std::span<const BodyState> bodies);
+  void find(std::span<const BodyState> bodies, const StepTimes& times);
   const Memory* remembered(std::uint64_t key) const;
-  Point3 relative_velocity(const Touch& touch, const StepTimes& times) const;
+  Point3 relative_velocity(const Touch& touch, std::span<const BodyState> bodies, const StepTimes& times) const;
 
   void share_budget(std::span<const BodyState> bodies, const StepTimes& times);
   void set_springs();
   void keep_within_budget(std::span<const BodyState> bodies, const StepTimes& times);
-  void weigh_rigid(const StepTimes& times);
-  void sum_at_vertices(bool scaled);
-  Eigen::VectorXd sum_at_nodes(const MovingSurface& surface, const std::vector<std::int32_t>& nodes,
-                               const std::vector<double>& at_vertices) const;
+  void load_rigid(const StepTimes& times);
+  void sum_at_vertices();
+  static void sum_at_nodes(const SparseRows& columns, const std::vector<std::int32_t>& nodes,
+                           const std::vector<double>& at_vertices, Eigen::VectorXd& sums);
 
   void apply_forces(const StepTimes& times);
   Point3 friction(const Touch& touch, const Spring& spring, const ContactPair& pair, double normal_force,
@@ -96,15 +112,17 @@ class ContactModel : public PenaltySource {
   ContactReport report_;
   bool started_ = false;
   double reference_dt_ = 0; ///< of the springs
+  double largest_step_ = std::numeric_limits<double>::infinity();
   /// Per surface and vertex: mass of the slab behind it / dt², lowered where a node could not bear it; force/length³.
   std::vector<std::vector<double>> density_;
-  std::vector<std::vector<double>> vertex_sum_; ///< per surface and vertex: Σ k · reach · |weight| of this step
+  std::vector<std::vector<double>> vertex_sum_; ///< per surface and vertex: Σ k |weight| of this step
   std::vector<std::vector<Point3>> vertex_force_;
   std::vector<Touch> touches_; ///< ascending by key
   std::vector<std::size_t> pair_of_;
   std::vector<Spring> springs_;
-  std::vector<Memory> memory_; ///< ascending by key
-  std::vector<double> rigid_weight_, rigid_sum_;
+  std::vector<Memory> memory_;                        ///< ascending by key
+  std::vector<Eigen::VectorXd> node_load_, node_sum_; ///< per surface: share of a node's room, (num_nodes)
+  std::vector<double> rigid_load_;
   std::vector<Eigen::VectorXd> force_, last_force_; ///< per deformable body, (3 num_nodes)
 };
 

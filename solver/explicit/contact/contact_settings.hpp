@@ -26,14 +26,17 @@ struct ContactPair {
   ContactSide second; ///< deformable (the same as first: self-contact) or rigid
   FrictionLaw friction;
   /// k = stiffness · m / dt² with m the reduced mass of the slabs, half a span deep, behind the contact. Commercial
-  /// segment-based penalties use 0.05; the budget of stability lowers what is too much for a node.
-  double stiffness = 0.5;
-  double damping = 0.05; ///< share of critical damping of the pair's mass on its spring
+  /// segment-based penalties use 0.05; the budget of stability lowers what is too much: 2 is as much as it allows.
+  double stiffness = 2;
+  double damping = 0.03; ///< share of critical damping of the pair's mass on its spring; it takes from the budget
   bool edges = true;     ///< sharp edges touch each other and rigid bodies' corners touch faces
 };
 
 struct ContactOptions {
   double skin = 0.2; ///< relative motion that candidates last for, in spans
+  /// Largest step of a run with contact, in the time a wave takes through a span of a body that touches: springs are as
+  /// stiff as 1 / step² allows. Lumped masses would be stable with about 1.1. Infinite: no limit.
+  double step = 0.42;
 };
 
 } // namespace iga::solve

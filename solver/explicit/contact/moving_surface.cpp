@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
@@ -39,11 +40,15 @@ MovingSurface::MovingSurface(ContactSurface surface, std::size_t body)
     : owner_(body), name_(std::move(surface.body)), mesh_(make_contact_mesh(surface.mesh, 3 * surface.span_size)),
       region_(std::move(surface.mesh.region)), region_names_(std::move(surface.mesh.region_names)),
       span_size_(surface.span_size), density_(surface.density), rows_(rows_of(surface.S)),
-      columns_(transpose(rows_, at(surface.S.cols()))), x_(mesh_.vertices), velocity_(mesh_.vertices.size()) {
+      columns_(transpose(rows_, at(surface.S.cols()))), x_(mesh_.vertices) {
   weight_sum_.assign(rows_.rows(), 0);
+  node_reach_.assign(columns_.rows(), 0);
   for (std::size_t v = 0; v < rows_.rows(); ++v) {
     for (auto e = at(rows_.first[v]); e < at(rows_.first[v + 1]); ++e) weight_sum_[v] += std::abs(rows_.value[e]);
-    largest_weight_sum_ = std::max(largest_weight_sum_, weight_sum_[v]);
+    for (auto e = at(rows_.first[v]); e < at(rows_.first[v + 1]); ++e) {
+      double& reach = node_reach_[at(rows_.column[e])];
+      reach = std::max(reach, weight_sum_[v]);
+    }
   }
   for (std::size_t i = 0; i < columns_.rows(); ++i)
     if (columns_.first[i] < columns_.first[i + 1]) nodes_.push_back(static_cast<std::int32_t>(i));
@@ -51,30 +56,42 @@ MovingSurface::MovingSurface(ContactSurface surface, std::size_t body)
 
 MovingSurface::MovingSurface(const MeshShape& shape, std::size_t rigid, double reach)
     : rigid_(true), owner_(rigid), mesh_(make_contact_mesh(shape.mesh, reach)), region_(shape.mesh.region),
-      region_names_(shape.mesh.region_names), x_(mesh_.vertices), velocity_(mesh_.vertices.size()) {
+      region_names_(shape.mesh.region_names), x_(mesh_.vertices) {
   rows_.first.assign(1, 0);
   columns_.first.assign(1, 0);
+  active_columns_.first.assign(1, 0);
 }
 
 void MovingSurface::activate(std::vector<std::uint8_t> is_active) {
   active_.clear();
   active_nodes_.clear();
-  std::vector<std::uint8_t> node(columns_.rows(), 0);
-  for (std::size_t v = 0; v < is_active.size(); ++v) {
-    if (!is_active[v]) continue;
-    active_.push_back(static_cast<std::int32_t>(v));
-    if (!rigid_)
-      for (auto e = at(rows_.first[v]); e < at(rows_.first[v + 1]); ++e) node[at(rows_.column[e])] = 1;
-  }
-  for (std::size_t i = 0; i < node.size(); ++i)
-    if (node[i]) active_nodes_.push_back(static_cast<std::int32_t>(i));
+  for (std::size_t v = 0; v < is_active.size(); ++v)
+    if (is_active[v]) active_.push_back(static_cast<std::int32_t>(v));
+  if (rigid_) return;
+  SparseRows& T = active_columns_;
+  T.first.assign(columns_.rows() + 1, 0);
+  const auto each_entry = [&](auto&& visit) {
+    for (const std::int32_t v : active_)
+      for (auto e = at(rows_.first[at(v)]); e < at(rows_.first[at(v) + 1]); ++e) visit(v, e);
+  };
+  each_entry([&](std::int32_t, std::size_t e) { ++T.first[at(rows_.column[e]) + 1]; });
+  std::partial_sum(T.first.begin(), T.first.end(), T.first.begin());
+  T.column.resize(at(T.first.back()));
+  T.value.resize(at(T.first.back()));
+  std::vector<std::int32_t> next(T.first.begin(), T.first.end() - 1);
+  each_entry([&](std::int32_t v, std::size_t e) {
+    const std::size_t place = at(next[at(rows_.column[e])]++);
+    T.column[place] = v;
+    T.value[place] = rows_.value[e];
+  });
+  for (std::size_t i = 0; i < columns_.rows(); ++i)
+    if (T.first[i] < T.first[i + 1]) active_nodes_.push_back(static_cast<std::int32_t>(i));
 }
 
 void MovingSurface::move_active(const BodyState& state) {
   for_each(active_.size(), [&](std::size_t k) {
     const std::size_t v = at(active_[k]);
     x_[v] = plus(mesh_.vertices[v], combine(rows_, v, *state.displacement));
-    velocity_[v] = combine(rows_, v, *state.velocity);
   });
 }
 
@@ -82,11 +99,12 @@ void MovingSurface::move_all(const BodyState& state) {
   for_each(x_.size(), [&](std::size_t v) { x_[v] = plus(mesh_.vertices[v], combine(rows_, v, *state.displacement)); });
 }
 
-void MovingSurface::move_active(const RigidState& state, const StepTimes& times) {
-  for (const std::int32_t v : active_) {
-    x_[at(v)] = state.to_space(mesh_.vertices[at(v)]);
-    velocity_[at(v)] = state.velocity_at(x_[at(v)], times);
-  }
+void MovingSurface::move_active(const RigidState& state) {
+  for (const std::int32_t v : active_) x_[at(v)] = state.to_space(mesh_.vertices[at(v)]);
+}
+
+Point3 MovingSurface::velocity(std::int32_t v, const BodyState& state) const {
+  return combine(rows_, at(v), *state.velocity);
 }
 
 void MovingSurface::move_all(const RigidState& state) {

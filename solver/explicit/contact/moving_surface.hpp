@@ -25,9 +25,12 @@ class MovingSurface {
   /// Rows S_v of the vertices and their transpose; no rows for a tool.
   const SparseRows& rows() const { return rows_; }
   const SparseRows& columns() const { return columns_; }
+  /// Columns of the active vertices alone.
+  const SparseRows& active_columns() const { return active_columns_; }
   /// Σ_i |S_vi|: 1 without extension.
   double weight_sum(std::int32_t v) const { return weight_sum_[static_cast<std::size_t>(v)]; }
-  double largest_weight_sum() const { return largest_weight_sum_; }
+  /// Largest weight_sum of the vertices that hang on a node; (num_nodes).
+  double reach_of_node(std::int32_t i) const { return node_reach_[static_cast<std::size_t>(i)]; }
   /// Nodes that move the surface, ascending.
   const std::vector<std::int32_t>& nodes() const { return nodes_; }
 
@@ -36,14 +39,15 @@ class MovingSurface {
   const std::vector<std::int32_t>& active() const { return active_; }
   const std::vector<std::int32_t>& active_nodes() const { return active_nodes_; }
 
-  /// Positions and velocities; of the active vertices, or positions of all. Parallel.
+  /// Positions of the active vertices, or of all. Parallel.
   void move_active(const BodyState& state);
   void move_all(const BodyState& state);
-  void move_active(const RigidState& state, const StepTimes& times);
+  void move_active(const RigidState& state);
   void move_all(const RigidState& state);
 
   const Point3& x(std::int32_t v) const { return x_[static_cast<std::size_t>(v)]; }
-  const Point3& velocity(std::int32_t v) const { return velocity_[static_cast<std::size_t>(v)]; }
+  /// Of one vertex of a deformable body.
+  Point3 velocity(std::int32_t v, const BodyState& state) const;
   const std::vector<Point3>& positions() const { return x_; }
   /// Twice the area times the normal, where the corners are up to date.
   Point3 normal_now(std::int32_t face) const;
@@ -58,11 +62,10 @@ class MovingSurface {
   std::vector<std::int32_t> region_;
   std::vector<std::string> region_names_;
   double span_size_ = 0, density_ = 0;
-  SparseRows rows_, columns_;
-  std::vector<double> weight_sum_;
-  double largest_weight_sum_ = 1;
+  SparseRows rows_, columns_, active_columns_;
+  std::vector<double> weight_sum_, node_reach_;
   std::vector<std::int32_t> nodes_, active_, active_nodes_;
-  std::vector<Point3> x_, velocity_;
+  std::vector<Point3> x_;
 };
 
 } // namespace iga::solve

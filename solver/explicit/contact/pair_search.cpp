@@ -26,9 +26,7 @@ constexpr double neighbour_cosine = 0.5;
 
 // Faces within the skin are looked at for every vertex: of triangles much finer than spans that would be many.
 constexpr double skin_edges = 0.5;
-// A vertex whose faces look one way, by this cosine, …
-constexpr double smooth_patch = 0.97;
-// … has nothing to do with faces that look the same way, by this one.
+// Faces that look the same way, by this cosine, do not come to oppose each other before the next look.
 constexpr double same_way = 0.75;
 
 /// Edge of an equilateral triangle of the mean area.
@@ -117,8 +115,9 @@ double largest_motion(const MovingSurface& s, const Eigen::VectorXd& now, const 
   const Eigen::Vector3d w(beside[0], beside[1], beside[2]);
   double largest2 = 0;
   for (const std::int32_t i : s.nodes())
-    largest2 = std::max(largest2, (now.segment<3>(3 * i) - then.segment<3>(3 * i) - w).squaredNorm());
-  return s.largest_weight_sum() * std::sqrt(largest2);
+    largest2 = std::max(largest2, (now.segment<3>(3 * i) - then.segment<3>(3 * i) - w).squaredNorm() *
+                                      (s.reach_of_node(i) * s.reach_of_node(i)));
+  return std::sqrt(largest2);
 }
 
 } // namespace
@@ -161,7 +160,7 @@ PairSearch::PairSearch(ContactPair pair, const std::vector<MovingSurface>& surfa
   least_reference_distance_ = neighbour_spans * h;
   skin_ = std::min(skin_, skin_edges * typical_edge(surfaces[first_]));
   if (!surfaces[second_].is_rigid()) skin_ = std::min(skin_, skin_edges * typical_edge(surfaces[second_]));
-  if (pair_.edges) edges_.push_back({first_, second_, {}});
+  if (pair_.edges) edges_.push_back({first_, second_, {}, {}});
 }
 
 std::size_t PairSearch::num_candidates() const {
@@ -236,10 +235,14 @@ void PairSearch::look(const std::vector<MovingSurface>& surfaces, std::span<cons
 bool PairSearch::are_neighbours(const ContactMesh& mesh, std::int32_t vertex, std::int32_t face) const {
   const Triangle& t = mesh.triangles[at(face)];
   if (t[0] == vertex || t[1] == vertex || t[2] == vertex) return true;
-  if (dot(mesh.vertex_normal[at(vertex)], mesh.face_normal[at(face)]) <= neighbour_cosine) return false;
   Point3 middle{};
   for (const std::int32_t v : t) middle = plus(middle, times(mesh.vertices[at(v)], 1.0 / 3));
-  return norm(minus(mesh.vertices[at(vertex)], middle)) < least_reference_distance_;
+  const Point3 way = minus(middle, mesh.vertices[at(vertex)]);
+  if (dot(way, way) >= least_reference_distance_ * least_reference_distance_) return false;
+  const Point3 &own = mesh.vertex_normal[at(vertex)], &other = mesh.face_normal[at(face)];
+  if (dot(own, other) > neighbour_cosine) return true;
+  // Each behind the other, as around a convex edge or on the two sides of a wall: material is between them.
+  return dot(way, own) <= 0 && dot(way, other) >= 0;
 }
 
 void PairSearch::look_at_faces(VertexFaceCandidates& pass, std::size_t number,
@@ -248,23 +251,16 @@ void PairSearch::look_at_faces(VertexFaceCandidates& pass, std::size_t number,
   const SideMask &vertices = mask(pass.slave), &faces = mask(pass.master);
   std::vector<Box3> boxes(master.mesh().triangles.size());
   for (std::size_t f = 0; f < boxes.size(); ++f) boxes[f] = box_of(master, master.mesh().triangles[f]);
-  const std::vector<Point3> normals = self_ ? unit_normals(master) : std::vector<Point3>{};
+  if (self_) {
+    look_at_own_faces(pass, boxes, master, depth_of);
+    return;
+  }
   if (first_look_) pass.tree = Bvh(boxes);
-  pass.tree.refit(boxes, normals);
+  pass.tree.refit(boxes);
   // A face that a vertex enters was within the skin of it; what lies next to the entered one within twice that.
   double first_reach = 0;
-  if (first_look_ && !self_)
+  if (first_look_)
     for (const double thickness : master.mesh().thickness) first_reach = std::max(first_reach, 0.5 * thickness);
-  // On a smooth patch one direction stands for all faces of a vertex.
-  const auto smooth_direction = [&](std::int32_t v) {
-    Point3 sum{};
-    for (const std::int32_t own : slave.mesh().faces_of(v)) sum = plus(sum, normals[at(own)]);
-    const double length = norm(sum);
-    if (!(length > 0)) return Point3{};
-    for (const std::int32_t own : slave.mesh().faces_of(v))
-      if (dot(normals[at(own)], sum) < smooth_patch * length) return Point3{};
-    return times(sum, 1 / length);
-  };
   std::vector<std::vector<std::int32_t>> found(slave.mesh().vertices.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, found.size(), 64), [&](const auto& range) {
     for (std::size_t i = range.begin(); i != range.end(); ++i) {
@@ -272,24 +268,12 @@ void PairSearch::look_at_faces(VertexFaceCandidates& pass, std::size_t number,
       const auto v = static_cast<std::int32_t>(i);
       const Point3& x = slave.x(v);
       const double reach = 2 * skin_ + std::max(first_reach, depth_of(number, v));
-      const Point3 way = self_ ? smooth_direction(v) : Point3{};
-      const auto same_ways = [&](const Box3& directions) {
-        double least = 0;
-        for (std::size_t d = 0; d < 3; ++d)
-          least += std::min(way[d] * directions.lower[d], way[d] * directions.upper[d]);
-        return least > same_way; // never without a direction: that is zero
-      };
-      const auto consider = [&](std::int32_t f) {
+      pass.tree.each_overlap(grown({x, x}, reach), [&](std::int32_t f) {
         if (!faces.face[at(f)]) return;
-        if (self_ && (dot(way, normals[at(f)]) > same_way || are_neighbours(master.mesh(), v, f))) return;
         const Triangle& t = master.mesh().triangles[at(f)];
         if (closest_on_triangle(x, master.x(t[0]), master.x(t[1]), master.x(t[2])).distance2 <= reach * reach)
           found[i].push_back(f);
-      };
-      if (self_)
-        pass.tree.each_overlap(grown({x, x}, reach), same_ways, consider);
-      else
-        pass.tree.each_overlap(grown({x, x}, reach), consider);
+      });
       std::sort(found[i].begin(), found[i].end());
     }
   });
@@ -301,6 +285,53 @@ void PairSearch::look_at_faces(VertexFaceCandidates& pass, std::size_t number,
     pass.vertex.push_back(static_cast<std::int32_t>(i));
     pass.faces.insert(pass.faces.end(), found[i].begin(), found[i].end());
     pass.offsets.push_back(pass.faces.size());
+  }
+}
+
+void PairSearch::look_at_own_faces(VertexFaceCandidates& pass, const std::vector<Box3>& boxes,
+                                   const MovingSurface& surface, const DepthOf& depth_of) const {
+  const ContactMesh& mesh = surface.mesh();
+  const std::vector<Point3> normals = unit_normals(surface);
+  if (first_look_) pass.tree = Bvh(boxes);
+  pass.tree.refit(boxes, normals);
+  const double reach = 2 * skin_;
+  double deepest = 0; // of vertices that touch: they were candidates
+  for (const std::int32_t v : pass.vertex) deepest = std::max(deepest, depth_of(0, v));
+  std::vector<std::pair<std::int32_t, std::int32_t>> found;
+  const auto consider = [&](std::int32_t own, std::int32_t other) {
+    const Triangle& t = mesh.triangles[at(other)];
+    for (const std::int32_t v : mesh.triangles[at(own)]) {
+      if (!first_mask_.vertex[at(v)] || are_neighbours(mesh, v, other)) continue;
+      const double d2 = closest_on_triangle(surface.x(v), surface.x(t[0]), surface.x(t[1]), surface.x(t[2])).distance2;
+      if (d2 <= reach * reach || std::sqrt(d2) <= reach + depth_of(0, v)) found.emplace_back(v, other);
+    }
+  };
+  pass.tree.each_close_pair(
+      reach + deepest,
+      [](const Box3& a, const Box3& b) { // do all look the same way?
+        double least = 0;
+        for (std::size_t d = 0; d < 3; ++d)
+          least += std::min(
+              {a.lower[d] * b.lower[d], a.lower[d] * b.upper[d], a.upper[d] * b.lower[d], a.upper[d] * b.upper[d]});
+        return least > same_way;
+      },
+      [&](std::int32_t f, std::int32_t g) {
+        if (dot(normals[at(f)], normals[at(g)]) > same_way) return;
+        if (first_mask_.face[at(g)]) consider(f, g);
+        if (first_mask_.face[at(f)]) consider(g, f);
+      });
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  pass.vertex.clear();
+  pass.faces.clear();
+  pass.offsets = {0};
+  for (const auto& [v, f] : found) {
+    if (pass.vertex.empty() || pass.vertex.back() != v) {
+      pass.vertex.push_back(v);
+      pass.offsets.push_back(pass.offsets.back());
+    }
+    pass.faces.push_back(f);
+    ++pass.offsets.back();
   }
 }
 
@@ -332,14 +363,15 @@ void PairSearch::look_at_edges(EdgeCandidates& pass, const std::vector<MovingSur
   };
   std::vector<Box3> boxes;
   for (const SharpEdge& e : others) boxes.push_back(box(second, e));
-  const Bvh tree(boxes);
+  if (pass.tree.empty()) pass.tree = Bvh(boxes);
+  pass.tree.refit(boxes);
   const SideMask &mask_first = mask(pass.first), &mask_second = mask(pass.second);
   for (std::size_t i = 0; i < own.size(); ++i) {
     const SharpEdge& e = own[i];
     if (!mask_first.face[at(e.left)] && !mask_first.face[at(e.right)]) continue;
     const std::size_t begin = pass.edges.size();
     // Edges that touch lie as deep in each other as the faces beside them.
-    tree.each_overlap(grown(box(first, e), 4 * skin_), [&](std::int32_t j) {
+    pass.tree.each_overlap(grown(box(first, e), 4 * skin_), [&](std::int32_t j) {
       const SharpEdge& o = others[at(j)];
       if (!mask_second.face[at(o.left)] && !mask_second.face[at(o.right)]) return;
       if (self_) {

@@ -30,6 +30,7 @@ struct VertexShapeCandidates {
 struct EdgeCandidates {
   std::size_t first = 0, second = 0;                        ///< surfaces
   std::vector<std::pair<std::int32_t, std::int32_t>> edges; ///< ascending
+  Bvh tree;                                                 ///< of the second side's edges
 };
 
 /// Which part of a surface takes part.
@@ -76,6 +77,8 @@ class PairSearch {
                const std::vector<RigidState>& rigid) const;
   void look_at_faces(VertexFaceCandidates& pass, std::size_t number, const std::vector<MovingSurface>& surfaces,
                      const DepthOf& depth_of) const;
+  void look_at_own_faces(VertexFaceCandidates& pass, const std::vector<Box3>& boxes, const MovingSurface& surface,
+                         const DepthOf& depth_of) const;
   void look_at_shape(VertexShapeCandidates& pass, const std::vector<MovingSurface>& surfaces,
                      const std::vector<RigidState>& rigid);
   void look_at_edges(EdgeCandidates& pass, const std::vector<MovingSurface>& surfaces) const;

@@ -181,6 +181,8 @@ std::vector<Touch> find_touches(const PairSearch& search, const std::vector<Movi
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, grain), [&](const auto& range) {
       for (std::size_t k = range.begin(); k != range.end(); ++k) found[k] = look(k);
     });
+    const auto count = std::count_if(found.begin(), found.end(), [](const auto& touch) { return touch.has_value(); });
+    touches.reserve(touches.size() + at(count));
     for (const auto& touch : found)
       if (touch) touches.push_back(*touch);
   };

@@ -73,7 +73,9 @@ double contact_eigenvalue(Scene& scene) {
 TEST(ContactForce, PlanePushesBackWithTheMassOverTheStepSquared) {
   ElasticBodies bodies;
   bodies.push_back(make_body(placed_box({0, 0, 0}, {6, 6, 3}, {6, 6, 3}, 2), soft));
-  Scene scene(std::move(bodies), {floor_at(-1e-3)}, {pair_of(deformable(0), rigid(0))});
+  ContactPair settings = pair_of(deformable(0), rigid(0));
+  settings.stiffness = 0.5;
+  Scene scene(std::move(bodies), {floor_at(-1e-3)}, {settings});
   scene.evaluate();
   move_rigidly(scene, 0, {0, 0, -0.002});
   const PairForce& pair = scene.pair();

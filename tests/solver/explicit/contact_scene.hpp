@@ -74,7 +74,7 @@ class Scene {
     for (const auto& body : bodies) omega = std::max(omega, body->largest_omega());
     const double x = 2 * safety;
     times.dt = x / omega;
-    times.budget = 4 - x * x;
+    times.budget = times.lasting = 4 - x * x;
   }
 
   std::vector<solve::BodyState> states() {

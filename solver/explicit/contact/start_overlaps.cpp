@@ -1,0 +1,119 @@
+// How deep bodies lie in each other before the first step, however deep: what the narrow phase does not see counts too.
+#include "format/model/vec3.hpp"
+#include "solver/explicit/contact/closest_point.hpp"
+#include "solver/explicit/contact/contact_model.hpp"
+#include "solver/explicit/contact/index.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tbb/parallel_for.h>
+
+namespace iga::solve {
+
+namespace {
+
+// Direction of the rays that tell inside from outside: along no edge or face that a part would have.
+const Point3 ray{0.5377, 0.6191, 0.5727};
+// Faces that lie in each other no deeper than this, in spans, only touch.
+constexpr double touching = 1e-6;
+
+class Solid {
+ public:
+  explicit Solid(const MovingSurface& surface) : surface_(surface), boxes_(surface.mesh().triangles.size()) {
+    for (std::size_t f = 0; f < boxes_.size(); ++f) {
+      const Triangle& t = surface.mesh().triangles[f];
+      boxes_[f] = {surface.x(t[0]), surface.x(t[0])};
+      for (const std::int32_t v : t) include(boxes_[f], surface.x(v));
+      if (f == 0) whole_ = boxes_[f];
+      include(whole_, boxes_[f].lower);
+      include(whole_, boxes_[f].upper);
+    }
+    tree_ = Bvh(boxes_);
+  }
+
+  /// Distance to the surface of a point inside; 0 outside.
+  double depth(const Point3& x) const {
+    if (!overlap({x, x}, whole_)) return 0;
+    const double size = norm(minus(whole_.upper, whole_.lower));
+    const Point3 end = plus(x, times(ray, 2 * size));
+    int crossings = 0;
+    tree_.each_overlap({x, end}, [&](std::int32_t f) { crossings += crosses(x, f) ? 1 : 0; });
+    if (crossings % 2 == 0) return 0;
+    for (double reach = 1e-3 * size;; reach *= 4) {
+      double least2 = std::numeric_limits<double>::infinity();
+      Box3 around{x, x};
+      for (std::size_t d = 0; d < 3; ++d) around.lower[d] -= reach, around.upper[d] += reach;
+      tree_.each_overlap(around, [&](std::int32_t f) {
+        const Triangle& t = surface_.mesh().triangles[at(f)];
+        least2 =
+            std::min(least2, closest_on_triangle(x, surface_.x(t[0]), surface_.x(t[1]), surface_.x(t[2])).distance2);
+      });
+      if (std::sqrt(least2) <= reach || reach > size) return std::sqrt(least2);
+    }
+  }
+
+ private:
+  static void include(Box3& box, const Point3& x) {
+    for (std::size_t d = 0; d < 3; ++d) {
+      box.lower[d] = std::min(box.lower[d], x[d]);
+      box.upper[d] = std::max(box.upper[d], x[d]);
+    }
+  }
+  bool crosses(const Point3& x, std::int32_t f) const {
+    const Triangle& t = surface_.mesh().triangles[at(f)];
+    const Point3 a = minus(surface_.x(t[0]), x), b = minus(surface_.x(t[1]), x), c = minus(surface_.x(t[2]), x);
+    const double u = dot(ray, cross(b, c)), v = dot(ray, cross(c, a)), w = dot(ray, cross(a, b));
+    if (!((u > 0 && v > 0 && w > 0) || (u < 0 && v < 0 && w < 0))) return false;
+    const Point3 n = cross(minus(b, a), minus(c, a));
+    return dot(a, n) / dot(ray, n) > 0;
+  }
+
+  const MovingSurface& surface_;
+  std::vector<Box3> boxes_;
+  Box3 whole_{};
+  Bvh tree_;
+};
+
+} // namespace
+
+std::vector<StartOverlap> ContactModel::start_overlaps(std::span<const BodyState> bodies) {
+  for (MovingSurface& s : surfaces_) {
+    if (s.is_rigid())
+      s.move_all(rigid_[s.owner()]);
+    else
+      s.move_all(bodies[s.owner()]);
+  }
+  std::vector<StartOverlap> overlaps;
+  for (const PairSearch& search : searches_) {
+    const double h = surfaces_[search.first()].span_size();
+    StartOverlap overlap{search.pair().name, 0, {}, 0, h};
+    const auto add = [&](std::size_t surface, const auto& depth_of) {
+      const MovingSurface& s = surfaces_[surface];
+      const auto& chosen = search.mask(surface).vertex;
+      std::vector<double> depth(chosen.size(), 0);
+      tbb::parallel_for(std::size_t{0}, depth.size(), [&](std::size_t v) {
+        if (chosen[v]) depth[v] = depth_of(s.positions()[v]);
+      });
+      for (std::size_t v = 0; v < depth.size(); ++v) {
+        if (depth[v] <= touching * h) continue;
+        ++overlap.vertices;
+        if (depth[v] > overlap.depth) overlap.place = s.positions()[v];
+        overlap.depth = std::max(overlap.depth, depth[v]);
+      }
+    };
+    if (search.is_self()) continue;
+    if (search.second() == PairSearch::npos) {
+      const RigidState& body = rigid_[search.pair().second.number];
+      add(search.first(), [&](const Point3& x) { return -distance_to_shape(body.body().shape, body.to_body(x)).gap; });
+    } else {
+      const Solid first(surfaces_[search.first()]), second(surfaces_[search.second()]);
+      add(search.first(), [&](const Point3& x) { return second.depth(x); });
+      add(search.second(), [&](const Point3& x) { return first.depth(x); });
+    }
+    if (overlap.vertices > 0) overlaps.push_back(overlap);
+  }
+  return overlaps;
+}
+
+} // namespace iga::solve
