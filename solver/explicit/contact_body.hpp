@@ -21,6 +21,14 @@ struct ContactSurface {
   double density = 0;                             ///< mass/length³
 };
 
+/// Where a force evaluation stands in time, and what the time-step control leaves to penalties.
+struct StepTimes {
+  double time = 0;      ///< t_n
+  double dt_last = 0;   ///< t_n - t_{n-1}; 0 in the first evaluation of a run
+  double dt = 0;        ///< t_{n+1} - t_n
+  double budget = 0.76; ///< 4 - x² - 4 ξ x with x = dt ω_max: bound on dt² λ_max(M⁻¹ K) of all penalties together
+};
+
 /// State of one body at a force evaluation. All vectors (3 num_nodes), component fastest.
 struct BodyState {
   const Eigen::VectorXd* displacement = nullptr; ///< u at t_n

@@ -1,0 +1,335 @@
+#include "solver/explicit/integrator.hpp"
+
+#include "format/model/errors.hpp"
+#include "solver/explicit/node_update.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+
+namespace iga::solve {
+
+Integrator::Integrator(std::vector<ExplicitBody*> bodies, const IntegratorSettings& settings)
+    : bodies_(std::move(bodies)), settings_(settings) {
+  if (!(settings.end_time > 0))
+    throw InputError(fmt::format("end_time is {:g}: it must be above 0", settings.end_time));
+  if (!(settings.safety > 0 && settings.safety <= 1))
+    throw InputError(
+        fmt::format("the safety factor of the time step is {:g}: above 0 and at most 1 is allowed", settings.safety));
+}
+
+void Integrator::prepare(std::vector<StartStep> limits) {
+  if (limits.size() != bodies_.size()) throw InputError("there is not one time-step limit for each body");
+  limits_ = std::move(limits);
+  const std::size_t n = bodies_.size();
+  reports_.resize(n);
+  external_.resize(n);
+  momenta_.resize(n);
+  inverted_.assign(n, 0);
+  eroded_.assign(n, 0);
+  for (std::size_t b = 0; b < n; ++b) {
+    const Point3 h = bodies_[b]->space().model().grid.span_size();
+    InternalForces& forces = bodies_[b]->forces();
+    forces.set_frequency_ratio(limits_[b].omega * std::min({h[0], h[1], h[2]}) / (2 * forces.reference_wave_speed()));
+    if (!loads_.empty()) external_[b].load.resize(bodies_[b]->num_unknowns());
+    if (!penalties_.empty()) {
+      external_[b].penalty.resize(bodies_[b]->num_unknowns());
+      external_[b].penalty_sum.resize(bodies_[b]->space().num_nodes());
+    }
+  }
+}
+
+void Integrator::start() {
+  std::vector<StartStep> limits;
+  for (const ExplicitBody* body : bodies_) limits.push_back(body->start_step());
+  start(std::move(limits));
+}
+
+void Integrator::start(std::vector<StartStep> limits) {
+  prepare(std::move(limits));
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const NodeSums sums = momentum_of(*bodies_[b]);
+    momenta_[b].linear = momenta_[b].linear_start = sums.linear;
+    momenta_[b].angular = momenta_[b].angular_start = sums.angular;
+  }
+  kick();
+  start_energy_ = energy_.total();
+}
+
+void Integrator::step() {
+  drift();
+  kick();
+}
+
+void Integrator::run(const std::function<bool(const Integrator&)>& stop) {
+  while (!finished() && !(stop && stop(*this))) step();
+}
+
+void Integrator::drift() {
+  for (ExplicitBody* body : bodies_) update_displacement(*body, dt_next_);
+  // The last step was cut so that it ends there.
+  time_ = dt_next_ >= settings_.end_time - time_ ? settings_.end_time : time_ + dt_next_;
+  dt_last_ = dt_next_;
+  ++steps_;
+}
+
+void Integrator::follow(double limit) {
+  StepControl& control = control_;
+  if (steps_ == 0) control = {limit, limit, limit, limit, 0};
+  control.least = std::min(control.least, limit);
+  if (++control.count >= settings_.hold) {
+    control.target = std::max(control.target, std::min(control.least_before, control.least));
+    control.least_before = control.least;
+    control.least = limit;
+    control.count = 0;
+  }
+  control.target = std::min(control.target, limit);
+  control.dt = std::min(control.target, settings_.growth * control.dt);
+}
+
+StepTimes Integrator::times() const {
+  // x = dt ω_max of the body that limits the step, its own viscous stress included.
+  double x = 0;
+  for (std::size_t b = 0; b < bodies_.size(); ++b)
+    x = std::max(x, 2 * dt_next_ / (limits_[b].dt * reports_[b].step_factor));
+  return {time_, dt_last_, dt_next_, std::max(0.0, 4 - x * x)};
+}
+
+void Integrator::kick() {
+  evaluate_internal();
+  choose_step();
+  evaluate_external();
+  kinetic_ = 0;
+  for (std::size_t b = 0; b < bodies_.size(); ++b) kick_body(b);
+  balance();
+}
+
+void Integrator::evaluate_internal() {
+  closed_.internal += open_.internal;
+  closed_.load += open_.load;
+  closed_.damping += open_.damping;
+  closed_.viscous += open_.viscous;
+  open_ = {};
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const ForceReport report = reports_[b] = bodies_[b]->evaluate_forces(dt_last_);
+    closed_.viscous += report.viscous_power * dt_last_ / 2;
+    inverted_[b] += report.inverted;
+    eroded_[b] += report.eroded;
+    eroded_energy_ += report.eroded_energy;
+    if (report.inverted > 0 && bodies_[b]->settings().stop_at_inverted)
+      throw NumericalError(fmt::format("t = {:.6g}: {} points of body '{}' inverted, the first {}; choose another way "
+                                       "to treat inverted points, a stiffer law or smaller steps",
+                                       time_, report.inverted, bodies_[b]->settings().name,
+                                       place(b, report.inverted_span)));
+  }
+}
+
+void Integrator::choose_step() {
+  double first = std::numeric_limits<double>::infinity(), dt = first;
+  std::size_t limiting = 0;
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const double own = settings_.safety * limits_[b].dt * reports_[b].step_factor;
+    first = std::min(first, settings_.safety * limits_[b].dt);
+    if (own < dt) limiting = b;
+    dt = std::min(dt, own);
+  }
+  if (!(dt >= settings_.floor * first))
+    throw NumericalError(fmt::format(
+        "t = {:.6g}: the time step fell to {:.3g}, below {:g} of the first one ({:.3g}), for body '{}' {}; smallest "
+        "volume ratio there {:.3g}; the material is crushed beyond its law or the contact is too stiff",
+        time_, dt, settings_.floor, first, bodies_[limiting]->settings().name,
+        place(limiting, reports_[limiting].step_span), reports_[limiting].min_J));
+  if (settings_.largest_dt > 0) dt = std::min(dt, settings_.largest_dt);
+  follow(dt);
+  dt = control_.dt;
+  // The last two steps share what is left, so that none is tiny.
+  const double left = settings_.end_time - time_;
+  if (left > 0 && dt >= left * (1 - 1e-9))
+    dt = left;
+  else if (left > 0 && 2 * dt > left)
+    dt = left / 2;
+  dt_next_ = dt;
+}
+
+void Integrator::evaluate_external() {
+  if (loads_.empty() && penalties_.empty()) return;
+  std::vector<BodyState> states(bodies_.size());
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const ExplicitBody& body = *bodies_[b];
+    states[b] = {&body.displacement,   &body.velocity,     body.mass().masses(),
+                 body.mass().passes(), &external_[b].load, &external_[b].penalty_sum};
+    external_[b].load.setZero();
+    external_[b].penalty.setZero();
+    external_[b].penalty_sum.setZero();
+  }
+  for (LoadSource* source : loads_) source->add_forces(times(), states);
+  for (std::size_t b = 0; b < bodies_.size(); ++b) states[b].force = &external_[b].penalty;
+  for (PenaltySource* source : penalties_) {
+    const PenaltyEnergy added = source->add_forces(times(), states);
+    penalty_.stored += added.stored;
+    penalty_.friction += added.friction;
+    penalty_.damping += added.damping;
+  }
+  for (PenaltySource* source : penalties_) source->advance(times());
+}
+
+void Integrator::kick_body(std::size_t b) {
+  const External& external = external_[b];
+  NodeForces forces{nullptr, nullptr, dt_last_, dt_next_};
+  if (!loads_.empty()) forces.load = &external.load;
+  if (!penalties_.empty()) forces.penalty = &external.penalty;
+  const NodeSums sums = update_momentum(*bodies_[b], forces);
+  closed_.internal += sums.before.internal * dt_last_ / 2;
+  closed_.load += sums.before.load * dt_last_ / 2;
+  closed_.damping += sums.before.damping * dt_last_ / 2;
+  open_.internal += sums.after.internal * dt_next_ / 2;
+  open_.load += sums.after.load * dt_next_ / 2;
+  open_.damping += sums.after.damping * dt_next_ / 2;
+  open_.viscous += reports_[b].viscous_power * dt_next_ / 2;
+  kinetic_ += sums.kinetic;
+  momenta_[b].linear = sums.linear;
+  momenta_[b].angular = sums.angular;
+  momenta_[b].linear_impulse += sums.linear_impulse;
+  momenta_[b].angular_impulse += sums.angular_impulse;
+}
+
+void Integrator::balance() {
+  energy_.internal = closed_.internal - closed_.viscous - eroded_energy_;
+  energy_.kinetic = kinetic_;
+  energy_.contact = penalty_.stored;
+  energy_.friction = penalty_.friction;
+  energy_.damping = closed_.damping + closed_.viscous + penalty_.damping;
+  energy_.external = closed_.load;
+  energy_.eroded = eroded_energy_;
+  for (const PenaltySource* source : penalties_) {
+    energy_.kinetic += source->kinetic_energy();
+    energy_.external += source->external_work();
+  }
+  largest_energy_ = std::max(largest_energy_, energy_.scale());
+  std::size_t worst = 0; // body
+  for (std::size_t b = 1; b < bodies_.size(); ++b)
+    if (reports_[b].min_J < reports_[worst].min_J) worst = b;
+  const auto likely = [&] {
+    return fmt::format("smallest volume ratio {:.3g} in body '{}' {}", reports_[worst].min_J,
+                       bodies_[worst]->settings().name, place(worst, reports_[worst].min_J_span));
+  };
+  if (!std::isfinite(energy_.total()))
+    throw NumericalError(fmt::format("t = {:.6g}, step {}: the motion is no longer finite; {}; use a smaller safety "
+                                     "factor of the time step",
+                                     time_, steps_, likely()));
+  if (settings_.energy_limit > 0 && steps_ > 0 && energy_error() > settings_.energy_limit)
+    throw NumericalError(fmt::format("t = {:.6g}, step {}: the energy balance is off by {:.3g} of the largest energy, "
+                                     "at most {:g} is allowed; {}; use a smaller safety factor of the time step",
+                                     time_, steps_, energy_error(), settings_.energy_limit, likely()));
+}
+
+double Integrator::energy_error() const {
+  return largest_energy_ > 0 ? std::abs(energy_.total() - start_energy_) / largest_energy_ : 0;
+}
+
+std::string Integrator::place(std::size_t b, std::int32_t span) const {
+  if (span < 0) return "at rest";
+  const TrimmedModel& model = bodies_[b]->space().model();
+  const Index3 ijk = model.grid.span_index(model.active[static_cast<std::size_t>(span)]);
+  const Box3 box = model.grid.span_box(ijk);
+  Point3 u{};
+  for (std::size_t d = 0; d < 3; ++d) u[d] = (box.lower[d] + box.upper[d]) / 2;
+  const Point3 x = model.grid.to_position(u);
+  return fmt::format("in span ({}, {}, {}) near ({:.6g}, {:.6g}, {:.6g})", ijk[0], ijk[1], ijk[2], x[0], x[1], x[2]);
+}
+
+namespace {
+
+std::vector<double> numbers(const Eigen::VectorXd& x) {
+  return {x.data(), x.data() + x.size()};
+}
+
+void restore(const std::vector<double>& from, Eigen::VectorXd& to) {
+  if (static_cast<Eigen::Index>(from.size()) != to.size())
+    throw InputError(fmt::format("the saved state has {} numbers where the body has {} unknowns; restart with the "
+                                 "files that the run began with",
+                                 from.size(), to.size()));
+  to = Eigen::Map<const Eigen::VectorXd>(from.data(), to.size());
+}
+
+template <class Visit> void for_vectors(MomentumBalance& m, Visit visit) {
+  for (Eigen::Vector3d* v :
+       {&m.linear, &m.angular, &m.linear_impulse, &m.angular_impulse, &m.linear_start, &m.angular_start})
+    visit(*v);
+}
+
+} // namespace
+
+IntegratorState Integrator::save() const {
+  IntegratorState state;
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const ExplicitBody& body = *bodies_[b];
+    IntegratorState::Body saved{numbers(body.displacement),
+                                numbers(body.velocity),
+                                numbers(body.momentum),
+                                body.forces().save(),
+                                {},
+                                reports_[b],
+                                inverted_[b],
+                                eroded_[b]};
+    MomentumBalance momentum = momenta_[b];
+    std::size_t k = 0;
+    for_vectors(momentum, [&](const Eigen::Vector3d& v) {
+      for (Eigen::Index d = 0; d < 3; ++d) saved.momenta[k++] = v[d];
+    });
+    state.bodies.push_back(std::move(saved));
+  }
+  for (const PenaltySource* source : penalties_) state.penalties.push_back(source->save());
+  state.time = time_;
+  state.dt_last = dt_last_;
+  state.dt_next = dt_next_;
+  state.control = control_;
+  state.steps = steps_;
+  state.closed = closed_;
+  state.open = open_;
+  state.penalty = penalty_;
+  state.kinetic = kinetic_;
+  state.eroded_energy = eroded_energy_;
+  state.start_energy = start_energy_;
+  state.largest_energy = largest_energy_;
+  return state;
+}
+
+void Integrator::load(const IntegratorState& state, std::vector<StartStep> limits) {
+  prepare(std::move(limits));
+  if (state.bodies.size() != bodies_.size() || state.penalties.size() != penalties_.size())
+    throw InputError(fmt::format("the saved state has {} bodies and {} contacts and supports, the run {} and {}; "
+                                 "restart with the files that the run began with",
+                                 state.bodies.size(), state.penalties.size(), bodies_.size(), penalties_.size()));
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const IntegratorState::Body& saved = state.bodies[b];
+    restore(saved.displacement, bodies_[b]->displacement);
+    restore(saved.velocity, bodies_[b]->velocity);
+    restore(saved.momentum, bodies_[b]->momentum);
+    bodies_[b]->forces().load(saved.points);
+    std::size_t k = 0;
+    for_vectors(momenta_[b], [&](Eigen::Vector3d& v) {
+      for (Eigen::Index d = 0; d < 3; ++d) v[d] = saved.momenta[k++];
+    });
+    reports_[b] = saved.report;
+    inverted_[b] = saved.inverted;
+    eroded_[b] = saved.eroded;
+  }
+  for (std::size_t s = 0; s < penalties_.size(); ++s) penalties_[s]->load(state.penalties[s]);
+  time_ = state.time;
+  dt_last_ = state.dt_last;
+  dt_next_ = state.dt_next;
+  control_ = state.control;
+  steps_ = state.steps;
+  closed_ = state.closed;
+  open_ = state.open;
+  penalty_ = state.penalty;
+  kinetic_ = state.kinetic;
+  eroded_energy_ = state.eroded_energy;
+  start_energy_ = state.start_energy;
+  largest_energy_ = state.largest_energy;
+  balance();
+}
+
+} // namespace iga::solve

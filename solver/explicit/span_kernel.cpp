@@ -1,0 +1,206 @@
+// The kernel of explicit dynamics: deformation gradients, stresses and internal forces, eight points at a time.
+#include "solver/explicit/lane_transpose.hpp"
+#include "solver/explicit/point_stress.hpp"
+#include "solver/explicit/span_contraction.hpp"
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+#include <tbb/partitioner.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace iga::solve {
+
+namespace {
+
+/// Total Lagrangian internal forces of the spans of a body with one law. Memory per point: 32 B of place and weight in
+/// trimmed spans (none in interior ones), the law's history, 72 B of F where the law asks for it.
+template <class Degrees> class SpanKernel final : public InternalForces {
+ public:
+  SpanKernel(const SolutionSpace& space, LawAccess law, const KernelOptions& options)
+      : law_(std::move(law)), options_(options), grid_(space.model().grid), plan_(make_span_plan(space)),
+        degrees_(plan_.degree), num_values_(3 * space.model().active_functions.size()),
+        memory_(law_, options_, static_cast<std::size_t>(plan_.num_point_blocks())) {
+    const Point3 h = grid_.span_size();
+    length_ = std::min({h[0], h[1], h[2]});
+    extremes_.resize(plan_.blocks.size());
+  }
+
+  ForceReport evaluate(const double* u, double dt, double* f) override {
+    in_parallel(static_cast<std::int64_t>(num_values_), 1 << 14,
+                [&](std::int64_t first, std::int64_t last) { std::fill(f + first, f + last, 0.0); });
+    for (std::size_t c = 0; c + 1 < plan_.colour_offsets.size(); ++c) {
+      const std::int64_t begin = plan_.colour_offsets[c];
+      in_parallel(plan_.colour_offsets[c + 1] - begin, 1, [&](std::int64_t first, std::int64_t last) {
+        for (std::int64_t b = first; b < last; ++b) visit_block(static_cast<std::size_t>(begin + b), u, dt, f);
+      });
+    }
+    return report();
+  }
+
+  double reference_wave_speed() const override { return law_.wave_speed; }
+  const SpanPlan& plan() const override { return plan_; }
+
+  void set_frequency_ratio(double kappa) override { kappa_ = kappa; }
+
+  std::int64_t memory() const override {
+    const auto bytes = [](const auto& v) { return v.size() * sizeof(v[0]); };
+    return static_cast<std::int64_t>(bytes(memory_.history) + bytes(memory_.F_old) + bytes(memory_.extra) +
+                                     bytes(plan_.own_points) + bytes(plan_.groups) + bytes(plan_.point_spans) +
+                                     bytes(plan_.rows) + bytes(plan_.point));
+  }
+
+  PointHistory save() const override { return memory_.save(); }
+  void load(const PointHistory& saved) override { memory_.load(saved); }
+
+ private:
+  using Work = ContractionWork<Degrees>;
+
+  // visit(first, last) for pieces of 0 … count of `grain` at most; small bodies never leave their thread.
+  template <class Visit> static void in_parallel(std::int64_t count, std::int64_t grain, Visit visit) {
+    if (count <= grain) {
+      if (count > 0) visit(std::int64_t{0}, count);
+      return;
+    }
+    tbb::parallel_for(
+        tbb::blocked_range<std::int64_t>(0, count, static_cast<std::size_t>(grain)),
+        [&](const auto& range) { visit(range.begin(), range.end()); }, tbb::simple_partitioner());
+  }
+
+  std::size_t num_rows() const { return static_cast<std::size_t>((degrees_.v + 1) * (degrees_.w + 1)); }
+  const std::int64_t* rows_of(std::int32_t span) const {
+    return plan_.rows.data() + num_rows() * static_cast<std::size_t>(span);
+  }
+
+  void visit_block(std::size_t b, const double* u, double dt, double* f) {
+    Work& work = work_.local();
+    const WorkBlock& block = plan_.blocks[b];
+    PointExtremes extremes;
+    PointStress stress(law_, options_, grid_.rotation(), dt, length_, kappa_, memory_);
+    for (auto g = block.groups[0]; g < block.groups[1]; ++g)
+      visit_group(plan_.groups[static_cast<std::size_t>(g)], u, f, work, stress, extremes);
+    for (auto s = block.point_spans[0]; s < block.point_spans[1]; ++s)
+      visit_points(plan_.point_spans[static_cast<std::size_t>(s)], u, f, work, stress, extremes);
+    extremes_[b] = extremes;
+  }
+
+  void visit_group(const SpanGroup& group, const double* u, double* f, Work& work, PointStress& stress,
+                   PointExtremes& extremes) {
+    const auto line = static_cast<std::size_t>(3 * (degrees_.u + 1));
+    const std::size_t size = line * num_rows();
+    for (std::size_t l = 0; l < lanes; ++l) {
+      const std::int64_t* rows = rows_of(group.spans[l]);
+      double* to = work.scratch + l * Work::padded;
+      for (std::size_t r = 0; r < num_rows(); ++r) std::copy_n(u + 3 * rows[r], line, to + r * line);
+    }
+    for (std::size_t k = 0; k < size; k += lanes) {
+      Wide block[lanes];
+      for (std::size_t l = 0; l < lanes; ++l) block[l] = load_wide(work.scratch + l * Work::padded + k);
+      transpose(block);
+      for (std::size_t l = 0; l < lanes; ++l) work.u[k + l] = block[l];
+    }
+    Lanes counted{};
+    for (std::size_t l = 0; l < static_cast<std::size_t>(group.count); ++l) counted[l] = 1;
+    const TensorTable& table = plan_.tables[static_cast<std::size_t>(group.table)];
+    contract_table(degrees_, table, work, [&](int first, int count, TensorWide* points) {
+      for (int q = 0; q < count; ++q)
+        stress(group.first_block + first + q, wide(counted) * table.weights[static_cast<std::size_t>(first + q)],
+               points[q]);
+    });
+    stress.finish(group.spans.data(), extremes);
+    for (std::size_t k = 0; k < size; k += lanes) {
+      Wide block[lanes];
+      for (std::size_t l = 0; l < lanes; ++l) block[l] = work.f[k + l];
+      transpose(block);
+      for (std::size_t l = 0; l < lanes; ++l) store_wide(block[l], work.scratch + l * Work::padded + k);
+    }
+    for (std::size_t l = 0; l < static_cast<std::size_t>(group.count); ++l)
+      add_rows(group.spans[l], work.scratch + l * Work::padded, f);
+  }
+
+  void visit_points(const PointSpan& span, const double* u, double* f, Work& work, PointStress& stress,
+                    PointExtremes& extremes) {
+    const auto line = static_cast<std::size_t>(3 * (degrees_.u + 1));
+    const std::size_t size = line * num_rows();
+    const std::int64_t* rows = rows_of(span.span);
+    for (std::size_t r = 0; r < num_rows(); ++r) std::copy_n(u + 3 * rows[r], line, work.scratch + r * line);
+    const SpanPolynomials* const polynomials[3] = {polynomials_of(span, 0), polynomials_of(span, 1),
+                                                   polynomials_of(span, 2)};
+    const auto own = std::span(plan_.own_points)
+                         .subspan(static_cast<std::size_t>(span.first_own), static_cast<std::size_t>(span.blocks));
+    contract_points(degrees_, polynomials, own, work.scratch, work,
+                    [&](std::int64_t b, const OwnPoints& points, TensorWide& H) {
+                      stress(span.first_block + b, wide(points.weight), H);
+                    });
+    std::array<std::int32_t, lanes> owner;
+    owner.fill(span.span);
+    stress.finish(owner.data(), extremes);
+    for (std::size_t k = 0; k < size; k += lanes) {
+      Wide block[lanes];
+      for (std::size_t l = 0; l < lanes; ++l) block[l] = work.f[k + l];
+      store_wide(lane_sums(block), work.scratch + k);
+    }
+    add_rows(span.span, work.scratch, f);
+  }
+
+  const SpanPolynomials* polynomials_of(const PointSpan& span, std::size_t d) const {
+    return &plan_.polynomials[static_cast<std::size_t>(span.polynomials[d])];
+  }
+
+  [[gnu::always_inline]] void add_rows(std::int32_t span, const double* from, double* f) const {
+    const auto line = static_cast<std::size_t>(3 * (degrees_.u + 1));
+    const std::int64_t* rows = rows_of(span);
+    for (std::size_t r = 0; r < num_rows(); ++r) {
+      double* to = f + 3 * rows[r];
+      for (std::size_t k = 0; k < line; ++k) to[k] += from[r * line + k];
+    }
+  }
+
+  ForceReport report() const {
+    PointExtremes all;
+    for (const PointExtremes& part : extremes_) all.add(part);
+    return {law_.wave_speed / std::sqrt(all.speed_squared),
+            all.speed_span,
+            all.min_J,
+            all.J_span,
+            all.viscous_power,
+            all.inverted,
+            all.inverted_span,
+            all.eroded,
+            all.eroded_energy};
+  }
+
+  LawAccess law_;
+  KernelOptions options_;
+  SplineGrid grid_;
+  SpanPlan plan_;
+  Degrees degrees_;
+  std::size_t num_values_;
+  double length_ = 0, kappa_ = 1;
+  PointMemory memory_;
+  std::vector<PointExtremes> extremes_;
+  tbb::enumerable_thread_specific<Work> work_;
+};
+
+} // namespace
+
+std::unique_ptr<InternalForces> make_internal_forces(const SolutionSpace& space, const Law& law,
+                                                     const KernelOptions& options) {
+  LawAccess own = std::visit([](const auto& l) { return access(l); }, law);
+  const auto p = space.model().grid.degree();
+  if (p[0] != p[1] || p[1] != p[2]) return std::make_unique<SpanKernel<AnyDegrees>>(space, std::move(own), options);
+  switch (p[0]) {
+  case 1:
+    return std::make_unique<SpanKernel<EqualDegrees<1>>>(space, std::move(own), options);
+  case 2:
+    return std::make_unique<SpanKernel<EqualDegrees<2>>>(space, std::move(own), options);
+  case 3:
+    return std::make_unique<SpanKernel<EqualDegrees<3>>>(space, std::move(own), options);
+  default:
+    return std::make_unique<SpanKernel<EqualDegrees<4>>>(space, std::move(own), options);
+  }
+}
+
+} // namespace iga::solve

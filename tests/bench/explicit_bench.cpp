@@ -1,0 +1,140 @@
+// explicit_bench: point updates per second of the explicit kernel, by law, kind of span and degree; fraction of the
+// core's f64 peak; gain of a second thread. CPU time, so that other work on the machine disturbs little; best of
+// several runs. Arguments: spans along an edge (default 24), seconds per measurement (default 0.2).
+#include "solver/explicit/internal_forces.hpp"
+#include "tests/support/synthetic_model.hpp"
+
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <ctime>
+
+namespace iga::bench {
+
+namespace {
+
+using namespace iga::solve;
+
+double cpu_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+double wall_seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// Independent multiply-adds in registers: the most that this build reaches on one core, flop/s.
+double measure_peak() {
+  constexpr int chains = 12;
+  double best = 0;
+  for (int repeat = 0; repeat < 5; ++repeat) {
+    Pack x[chains];
+    for (int k = 0; k < chains; ++k) x[k] = pack(1.0 + k);
+    constexpr int steps = 2'000'000;
+    const double start = cpu_seconds();
+    const Pack a = pack(0.999999), b = pack(1e-6);
+    for (int i = 0; i < steps; ++i)
+      for (int k = 0; k < chains; ++k) x[k] = x[k] * a + b;
+    const double seconds = cpu_seconds() - start;
+    double sum = 0;
+    for (const Pack& chain : x) sum += chain[0];
+    if (sum > 0) best = std::max(best, 2.0 * pack_size * chains * steps / seconds); // sum is needed, so is the loop
+  }
+  return best;
+}
+
+/// n³ interior spans; or a plate of n² spans that are all trimmed.
+TrimmedModel make_model(bool trimmed, int p, std::int64_t n) {
+  const auto size = static_cast<double>(n + 2 * p);
+  const double low = p, high = size - p;
+  if (!trimmed)
+    return test::make_box_model({{0, 0, 0},
+                                 {size, size, size},
+                                 {n + 2 * p, n + 2 * p, n + 2 * p},
+                                 {p, p, p},
+                                 identity_rotation,
+                                 {low, low, low},
+                                 {high, high, high}});
+  const double depth = 2 * p + 2;
+  return test::make_box_model({{0, 0, 0},
+                               {size, size, depth},
+                               {n + 2 * p, n + 2 * p, 2 * p + 2},
+                               {p, p, p},
+                               identity_rotation,
+                               {low, low, p + 0.1},
+                               {high, high, p + 1.9}});
+}
+
+Law foam() {
+  FoamSettings settings;
+  settings.E = 0.05;
+  settings.density = 6e-8;
+  settings.tension_limit = 3e-4;
+  settings.yield = Curve({0, 0.4, 0.6, 0.7, 0.8, 0.9, 0.95}, {3e-4, 3.5e-4, 6e-4, 1.2e-3, 4e-3, 0.02, 0.05}, "foam");
+  return CrushableFoam(settings);
+}
+
+struct Rate {
+  double by_cpu = 0, by_wall = 0; // points per second
+};
+
+Rate measure(InternalForces& forces, const std::vector<double>& u, std::size_t threads, double seconds) {
+  const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+  std::vector<double> f(u.size());
+  Rate best;
+  for (int repeat = 0; repeat < 5; ++repeat) {
+    const double cpu = cpu_seconds(), wall = wall_seconds();
+    double points = 0;
+    while (wall_seconds() - wall < seconds / 5) {
+      forces.evaluate(u.data(), 1e-3, f.data());
+      points += static_cast<double>(forces.plan().num_points);
+    }
+    best.by_cpu = std::max(best.by_cpu, points / (cpu_seconds() - cpu));
+    best.by_wall = std::max(best.by_wall, points / (wall_seconds() - wall));
+  }
+  return best;
+}
+
+void run(std::int64_t n, double seconds) {
+  const double peak = measure_peak();
+  fmt::print("f64 peak of a core with this build: {:.0f} GFLOP/s\n", 1e-9 * peak);
+  fmt::print("{:<9} {:>2} {:<12} {:>9} {:>10} {:>10} {:>12} {:>8} {:>11} {:>9}\n", "spans", "p", "law", "points",
+             "M points/s", "flop/point", "of peak", "B/point", "2 threads", "(wall)");
+  for (const bool trimmed : {false, true})
+    for (const int p : {2, 3}) {
+      const TrimmedModel model = make_model(trimmed, p, trimmed ? 3 * n : n);
+      const SolutionSpace space(model, {});
+      std::vector<double> u(3 * model.active_functions.size());
+      for (std::size_t k = 0; k < u.size(); ++k) u[k] = 0.01 * std::sin(1.3 * static_cast<double>(k));
+      const std::pair<const char*, Law> laws[]{
+          {"elastic", LinearElastic(isotropic(1, 0.3, 1))}, {"neo-Hookean", neo_hookean(1, 0.3, 1)}, {"foam", foam()}};
+      for (const auto& [name, law] : laws) {
+        const auto forces = make_internal_forces(space, law);
+        const auto points = static_cast<double>(forces->plan().num_points);
+        const double flops = contraction_flops(forces->plan()) / points;
+        const Rate one = measure(*forces, u, 1, seconds), two = measure(*forces, u, 2, seconds);
+        fmt::print("{:<9} {:>2} {:<12} {:>9.0f} {:>10.1f} {:>10.0f} {:>10.0f} % {:>8.0f} {:>9.2f} × {:>7.2f} ×\n",
+                   trimmed ? "trimmed" : "interior", p, name, points, 1e-6 * one.by_cpu, flops,
+                   100 * flops * one.by_cpu / peak, static_cast<double>(forces->memory()) / points,
+                   2 * two.by_cpu / one.by_cpu, two.by_wall / one.by_wall);
+      }
+    }
+  fmt::print("flop/point and the share of the peak leave the law's own operations out; two threads by CPU time, "
+             "waiting counted "
+             "(what an idle machine would gain), and by the wall clock\n");
+}
+
+} // namespace
+
+} // namespace iga::bench
+
+int main(int argc, char** argv) {
+  iga::bench::run(argc > 1 ? std::atoll(argv[1]) : 24, argc > 2 ? std::atof(argv[2]) : 0.2);
+  return 0;
+}
