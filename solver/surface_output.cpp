@@ -19,12 +19,13 @@ constexpr double most_triangles = 2e7;
 
 class Subdivision {
  public:
-  Subdivision(const TrimmedModel& model, int subdivide)
-      : grid_(model.grid), longest_(1.0 / subdivide), vertices_(model.surface.mesh.vertices), given_(vertices_.size()) {
-  }
+  /// Edges are measured along the grid's axes in `unit` (length per axis).
+  Subdivision(const TrimmedModel& model, const Point3& unit, double longest)
+      : grid_(model.grid), unit_(unit), longest_(longest), vertices_(model.surface.mesh.vertices),
+        given_(vertices_.size()) {}
 
-  void run(const TriangleMesh& mesh) {
-    refuse_too_many(mesh);
+  void run(const TriangleMesh& mesh, const char* advice) {
+    refuse_too_many(mesh, advice);
     std::vector<Piece> rest(mesh.triangles.size()), next;
     for (std::size_t t = 0; t < rest.size(); ++t) rest[t] = {mesh.triangles[t], mesh.region[t]};
     while (!rest.empty()) {
@@ -58,23 +59,21 @@ class Subdivision {
   };
 
   // No triangle of the result is larger than the equilateral one of the longest edge.
-  void refuse_too_many(const TriangleMesh& mesh) const {
+  void refuse_too_many(const TriangleMesh& mesh, const char* advice) const {
     double area = 0;
     for (const Triangle& t : mesh.triangles) area += 0.5 * norm(cross(edge(t[0], t[1]), edge(t[0], t[2])));
     const double least = area / (0.25 * std::sqrt(3.0) * longest_ * longest_);
     if (least > most_triangles)
-      throw InputError(fmt::format("the surface would be cut into {:.2g} triangles for output, more than {:.2g}; "
-                                   "choose a smaller 'subdivide'",
-                                   least, most_triangles));
+      throw InputError(fmt::format("the surface would be cut into {:.2g} triangles, more than {:.2g}; {}", least,
+                                   most_triangles, advice));
   }
 
-  // From a to b, in spans along the grid's axes.
+  // From a to b along the grid's axes.
   Point3 edge(std::int32_t a, std::int32_t b) const {
     const Point3 e = minus(vertices_[static_cast<std::size_t>(b)], vertices_[static_cast<std::size_t>(a)]);
     const Rotation& R = grid_.rotation();
     Point3 along{};
-    for (std::size_t d = 0; d < 3; ++d)
-      along[d] = (R[0][d] * e[0] + R[1][d] * e[1] + R[2][d] * e[2]) / grid_.span_size()[d];
+    for (std::size_t d = 0; d < 3; ++d) along[d] = (R[0][d] * e[0] + R[1][d] * e[1] + R[2][d] * e[2]) / unit_[d];
     return along;
   }
 
@@ -137,6 +136,7 @@ class Subdivision {
   }
 
   const SplineGrid& grid_;
+  Point3 unit_;
   double longest_;
   std::vector<Point3> vertices_;
   std::size_t given_;
@@ -150,8 +150,15 @@ class Subdivision {
 
 OutputMesh subdivide_surface(const TrimmedModel& model, int subdivide) {
   if (subdivide < 1) throw InputError(fmt::format("subdivide is {}, expected at least 1", subdivide));
-  Subdivision subdivision(model, subdivide);
-  subdivision.run(model.surface.mesh);
+  Subdivision subdivision(model, model.grid.span_size(), 1.0 / subdivide);
+  subdivision.run(model.surface.mesh, "choose a smaller 'subdivide'");
+  return std::move(subdivision).result(model);
+}
+
+OutputMesh refine_surface(const TrimmedModel& model, double longest) {
+  if (!(longest > 0)) throw InputError(fmt::format("the longest edge is {}, expected a length above 0", longest));
+  Subdivision subdivision(model, {1, 1, 1}, longest);
+  subdivision.run(model.surface.mesh, "allow longer edges");
   return std::move(subdivision).result(model);
 }
 

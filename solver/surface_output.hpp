@@ -11,6 +11,9 @@ namespace iga::solve {
 /// @throws InputError where subdivide < 1, or where the triangles would be too many, naming the number
 OutputMesh subdivide_surface(const TrimmedModel& model, int subdivide);
 
+/// The same with a bound on the edges' length instead.
+OutputMesh refine_surface(const TrimmedModel& model, double longest);
+
 /// @param unknowns  (num_unknowns × steps.size())
 /// @param steps     what the steps stand for, ascending (results.hpp)
 SurfaceResult sample_surface(const SolutionSpace& space, const ElasticMaterial& material, OutputMesh output,

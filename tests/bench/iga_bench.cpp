@@ -49,6 +49,7 @@ int run(int argc, char** argv) {
     for (const int degree : {2, 3}) measure_solver(part, degree);
   }
   measure_laws();
+  measure_contact();
   // Short by default: every kernel is measured on many spans at once. A flag given by hand comes later and wins.
   std::string shortly = "--benchmark_min_time=0.1";
   std::vector<char*> flags{argv[0], shortly.data()};

@@ -1,4 +1,4 @@
-#include "preprocessor/read_stl.hpp"
+#include "format/io/stl_reader.hpp"
 
 #include "format/model/errors.hpp"
 
@@ -11,7 +11,7 @@
 #include <limits>
 #include <optional>
 
-namespace iga::prep {
+namespace iga::io {
 
 namespace {
 
@@ -131,7 +131,7 @@ class Builder {
   }
   void note(std::string text) { out_.notes.push_back(std::move(text)); }
 
-  ReadMesh finish(std::string format) {
+  StlMesh finish(std::string format) {
     if (out_.mesh.triangles.empty())
       throw InputError(fmt::format("{}: {} without any facet; a closed surface needs at least four: export the part "
                                    "again",
@@ -159,7 +159,7 @@ class Builder {
 
   const std::string& name_;
   double scale_;
-  ReadMesh out_;
+  StlMesh out_;
   std::size_t odd_normals_ = 0;
 };
 
@@ -175,7 +175,7 @@ void check_facet_limit(const std::string& name, std::size_t facets) {
     throw InputError(fmt::format("{}: {} facets, at most {} can be read; coarsen the mesh", name, facets, limit));
 }
 
-ReadMesh read_binary(std::string_view bytes, const std::string& name, double scale) {
+StlMesh read_binary(std::string_view bytes, const std::string& name, double scale) {
   const std::size_t count = binary_count(bytes);
   check_facet_limit(name, count);
   const std::size_t expected = header_size + facet_size * count;
@@ -201,7 +201,7 @@ class AsciiParser {
     builder_.reserve(text.size() / 200);
   }
 
-  ReadMesh parse() {
+  StlMesh parse() {
     for (std::string_view word = tokens_.next(); !word.empty(); word = tokens_.next()) {
       if (equals(word, "solid")) {
         builder_.begin_region(tokens_.rest_of_line());
@@ -297,7 +297,7 @@ bool looks_like_ascii_stl(std::string_view bytes) {
   return second.empty() || equals(second, "facet") || equals(second, "endsolid");
 }
 
-ReadMesh read_stl(std::string_view bytes, const std::string& name, double scale) {
+StlMesh read_stl(std::string_view bytes, const std::string& name, double scale) {
   if (bytes.empty()) throw InputError(fmt::format("{}: the file is empty; export the part again", name));
   if (looks_like_ascii_stl(bytes)) {
     if (bytes.substr(0, 3) == "\xEF\xBB\xBF") bytes.remove_prefix(3);
@@ -326,4 +326,4 @@ ReadMesh read_stl(std::string_view bytes, const std::string& name, double scale)
   return read_binary(bytes, name, scale);
 }
 
-} // namespace iga::prep
+} // namespace iga::io

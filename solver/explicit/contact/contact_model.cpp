@@ -1,0 +1,245 @@
+#include "solver/explicit/contact/contact_model.hpp"
+
+#include "format/model/errors.hpp"
+#include "format/model/vec3.hpp"
+#include "solver/explicit/contact/index.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace iga::solve {
+
+namespace {
+
+// A touch counts as entered from outside where it is no deeper than the way of the last step, this much more for the
+// turn of faces, …
+constexpr double entry_allowance = 1.5;
+// … and this much for rounding, in spans.
+constexpr double entry_rounding = 1e-6;
+// Bodies that overlap more than this at the start (in spans) were placed wrongly.
+constexpr double deepest_start = 0.5;
+// Sides that come closer by more than this in one step (in spans) could miss each other.
+constexpr double longest_step = 0.5;
+
+constexpr std::uint64_t pair_key(std::size_t pair, std::uint64_t key) {
+  return static_cast<std::uint64_t>(pair) << 56 | key;
+}
+
+} // namespace
+
+ContactModel::ContactModel(std::vector<ContactSurface> surfaces, std::vector<RigidBody> rigid,
+                           std::vector<ContactPair> pairs, ContactOptions options) {
+  double largest_span = 0;
+  for (std::size_t b = 0; b < surfaces.size(); ++b) {
+    largest_span = std::max(largest_span, surfaces[b].span_size);
+    force_.emplace_back(Eigen::VectorXd::Zero(3 * surfaces[b].S.cols()));
+    surfaces_.emplace_back(std::move(surfaces[b]), b);
+  }
+  last_force_ = force_;
+  std::vector<std::ptrdiff_t> tool;
+  for (RigidBody& body : rigid) {
+    tool.push_back(-1);
+    if (const auto* mesh = std::get_if<MeshShape>(&body.shape)) {
+      tool.back() = static_cast<std::ptrdiff_t>(surfaces_.size());
+      surfaces_.emplace_back(*mesh, rigid_.size(), 3 * largest_span);
+    }
+    rigid_.emplace_back(std::move(body));
+  }
+  for (ContactPair& pair : pairs) {
+    report_.pairs.push_back({pair.name, {}, 0, 0, 0, 0, 0});
+    searches_.emplace_back(std::move(pair), surfaces_, rigid_, tool, options.skin);
+  }
+  for (const MovingSurface& s : surfaces_) {
+    vertex_sum_.emplace_back(s.mesh().vertices.size(), 0);
+    vertex_force_.emplace_back(s.mesh().vertices.size(), Point3{});
+  }
+  rigid_weight_.assign(rigid_.size(), 0);
+  rigid_sum_.assign(rigid_.size(), 0);
+}
+
+PenaltyEnergy ContactModel::add_forces(const StepTimes& times, std::span<const BodyState> bodies) {
+  for (RigidState& body : rigid_) body.clear_force();
+  report_.energy = {};
+  report_.least_scale = 1;
+  look_where_stale(bodies);
+  move(bodies, times);
+  find(times);
+  if (reference_dt_ == 0 || times.dt > 1.05 * reference_dt_) share_budget(bodies, times);
+  set_springs();
+  keep_within_budget(bodies, times);
+  apply_forces(times);
+  hand_back(bodies, times);
+  started_ = true;
+  return report_.energy;
+}
+
+void ContactModel::advance(const StepTimes& times) {
+  for (RigidState& body : rigid_) body.advance(times);
+}
+
+double ContactModel::kinetic_energy() const {
+  double sum = 0;
+  for (const RigidState& body : rigid_) sum += body.kinetic_energy();
+  return sum;
+}
+
+double ContactModel::external_work() const {
+  double sum = 0;
+  for (const RigidState& body : rigid_) sum += body.external_work();
+  return sum;
+}
+
+void ContactModel::look_where_stale(std::span<const BodyState> bodies) {
+  std::vector<std::uint8_t> stale(searches_.size(), 0);
+  std::vector<std::uint8_t> wanted(surfaces_.size(), 0);
+  bool any = false;
+  for (std::size_t p = 0; p < searches_.size(); ++p) {
+    if (!searches_[p].is_stale(surfaces_, bodies, rigid_)) continue;
+    stale[p] = 1;
+    any = true;
+    wanted[searches_[p].first()] = 1;
+    if (searches_[p].second() != PairSearch::npos) wanted[searches_[p].second()] = 1;
+  }
+  if (!any) return;
+  for (std::size_t s = 0; s < surfaces_.size(); ++s) {
+    if (!wanted[s]) continue;
+    if (surfaces_[s].is_rigid())
+      surfaces_[s].move_all(rigid_[surfaces_[s].owner()]);
+    else
+      surfaces_[s].move_all(bodies[surfaces_[s].owner()]);
+  }
+  std::vector<std::vector<std::uint8_t>> active;
+  for (const MovingSurface& s : surfaces_) active.emplace_back(s.mesh().vertices.size(), 0);
+  report_.candidates = 0;
+  for (std::size_t p = 0; p < searches_.size(); ++p) {
+    if (stale[p]) {
+      searches_[p].look(surfaces_, bodies, rigid_, [&](std::size_t pass, std::int32_t vertex) {
+        const Memory* memory = remembered(pair_key(p, vertex_key(pass, vertex)));
+        return memory ? memory->depth : 0.0;
+      });
+      ++report_.looks;
+    }
+    searches_[p].mark(surfaces_, active);
+    report_.candidates += static_cast<std::int64_t>(searches_[p].num_candidates());
+  }
+  for (std::size_t s = 0; s < surfaces_.size(); ++s) surfaces_[s].activate(std::move(active[s]));
+}
+
+void ContactModel::move(std::span<const BodyState> bodies, const StepTimes& times) {
+  for (MovingSurface& s : surfaces_) {
+    if (s.is_rigid())
+      s.move_active(rigid_[s.owner()], times);
+    else
+      s.move_active(bodies[s.owner()]);
+  }
+}
+
+const ContactModel::Memory* ContactModel::remembered(std::uint64_t key) const {
+  const auto found =
+      std::lower_bound(memory_.begin(), memory_.end(), key, [](const Memory& m, std::uint64_t k) { return m.key < k; });
+  return found != memory_.end() && found->key == key ? &*found : nullptr;
+}
+
+Point3 ContactModel::relative_velocity(const Touch& touch, const StepTimes& times) const {
+  Point3 v{};
+  for (int i = 0; i < touch.count; ++i) {
+    const Touch::Entry& e = touch.entries[at(i)];
+    v = plus(v, iga::times(surfaces_[e.surface].velocity(e.vertex), e.weight));
+  }
+  if (touch.rigid >= 0)
+    v = plus(v, iga::times(rigid_[at(touch.rigid)].velocity_at(touch.point, times), touch.rigid_sign));
+  return v;
+}
+
+void ContactModel::find(const StepTimes& times) {
+  touches_.clear();
+  pair_of_.clear();
+  springs_.clear();
+  std::vector<Memory> next;
+  for (std::size_t p = 0; p < searches_.size(); ++p) {
+    const double h = surfaces_[searches_[p].first()].span_size();
+    for (Touch& touch : find_touches(searches_[p], surfaces_, rigid_)) {
+      touch.key = pair_key(p, touch.key);
+      const Point3 velocity = relative_velocity(touch, times);
+      const double way = norm(velocity) * (started_ ? times.dt_last : 0);
+      if (way > longest_step * h)
+        throw NumericalError(fmt::format("contact '{}' at time {:.6g}: sides move {:.3g} against each other in one "
+                                         "step near ({:.6g}, {:.6g}, {:.6g}), spans are {:.3g}: they could pass each "
+                                         "other; take shorter steps or look for a body that blows up",
+                                         searches_[p].pair().name, times.time, way, touch.point[0], touch.point[1],
+                                         touch.point[2], h));
+      Memory memory{touch.key, {}, 0, touch.depth, 0};
+      if (const Memory* known = remembered(touch.key)) {
+        memory = *known;
+        memory.baseline = std::min(known->baseline, touch.depth);
+        memory.depth = touch.depth;
+      } else {
+        const double entered = entry_allowance * way + entry_rounding * h;
+        const bool from_outside = started_ && touch.depth <= entered;
+        // A vertex of the same body that did not come from outside lies on the far side of its own wall.
+        if (!from_outside && searches_[p].is_self()) continue;
+        if (!from_outside) memory.baseline = started_ ? touch.depth - entered : touch.depth;
+      }
+      if (!started_ && touch.depth > 0) {
+        if (touch.depth > deepest_start * h)
+          throw InputError(fmt::format("contact '{}': the bodies overlap by {:.4g} at the start, more than half a span "
+                                       "({:.4g}); move them apart",
+                                       searches_[p].pair().name, touch.depth, h));
+        report_.initial_depth = std::max(report_.initial_depth, touch.depth);
+        ++report_.initial_touches;
+      }
+      touches_.push_back(touch);
+      pair_of_.push_back(p);
+      springs_.push_back({});
+      springs_.back().velocity = velocity;
+      next.push_back(memory);
+    }
+  }
+  memory_ = std::move(next);
+}
+
+std::vector<double> ContactModel::save() const {
+  std::vector<double> values{started_ ? 1.0 : 0.0, reference_dt_};
+  for (const RigidState& body : rigid_) {
+    const auto state = body.save();
+    values.insert(values.end(), state.begin(), state.end());
+  }
+  for (const auto& density : density_) values.insert(values.end(), density.begin(), density.end());
+  for (const auto& f : last_force_) values.insert(values.end(), f.data(), f.data() + f.size());
+  for (const Memory& m : memory_) {
+    // A key has fewer than 64 bits but more than the 53 of a double: in two halves.
+    values.push_back(static_cast<double>(m.key >> 32));
+    values.push_back(static_cast<double>(m.key & 0xffffffffu));
+    values.insert(values.end(), m.traction.begin(), m.traction.end());
+    values.insert(values.end(), {m.baseline, m.depth, m.sliding});
+  }
+  return values;
+}
+
+void ContactModel::load(std::span<const double> values) {
+  std::size_t next = 0;
+  started_ = values[next++] > 0;
+  reference_dt_ = values[next++];
+  for (RigidState& body : rigid_) {
+    body.restore(values.subspan(next, RigidState::state_size));
+    next += RigidState::state_size;
+  }
+  density_.clear();
+  for (const MovingSurface& s : surfaces_) {
+    density_.emplace_back();
+    if (s.is_rigid()) continue;
+    for (std::size_t v = 0; v < s.mesh().vertices.size(); ++v) density_.back().push_back(values[next++]);
+  }
+  for (auto& f : last_force_)
+    for (Eigen::Index i = 0; i < f.size(); ++i) f[i] = values[next++];
+  memory_.clear();
+  for (; next < values.size(); next += 8)
+    memory_.push_back({static_cast<std::uint64_t>(values[next]) << 32 | static_cast<std::uint64_t>(values[next + 1]),
+                       {values[next + 2], values[next + 3], values[next + 4]},
+                       values[next + 5],
+                       values[next + 6],
+                       values[next + 7]});
+  for (PairSearch& search : searches_) search.expire();
+}
+
+} // namespace iga::solve

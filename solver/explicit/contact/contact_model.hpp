@@ -1,0 +1,111 @@
+// Penalty contact of all bodies: forces, friction, energies. See README.md for the equations.
+#pragma once
+
+#include "solver/explicit/contact/touch.hpp"
+#include "solver/explicit/force_source.hpp"
+
+namespace iga::solve {
+
+/// What one pair does at t_n.
+struct PairForce {
+  std::string name;
+  Point3 force{};            ///< on the first side, force
+  double normal_force = 0;   ///< Σ of the normal parts, force
+  double friction_force = 0; ///< Σ of the tangential parts' sizes, force
+  double largest_depth = 0;  ///< beyond the baseline of initial penetration, length
+  double area = 0;           ///< reference area in contact, length²
+  std::int64_t touches = 0;
+};
+
+struct ContactReport {
+  std::vector<PairForce> pairs;
+  PenaltyEnergy energy;     ///< of the interval t_{n-1} … t_n
+  double initial_depth = 0; ///< deepest penetration at the start, taken as baseline, length
+  std::int64_t initial_touches = 0;
+  double least_scale = 1; ///< by which the budget of stability lowered a spring, in this step
+  std::int64_t looks = 0; ///< broad phases so far
+  std::int64_t candidates = 0;
+};
+
+class ContactModel : public PenaltySource {
+ public:
+  /// @param surfaces  k-th one of the k-th deformable body; the order of all BodyStates
+  /// @throws InputError for pairs of sides that do not exist, rigid bodies that cannot be
+  ContactModel(std::vector<ContactSurface> surfaces, std::vector<RigidBody> rigid, std::vector<ContactPair> pairs,
+               ContactOptions options = {});
+
+  /// Adds the contact forces at t_n to the bodies' forces and penalty sums and to the rigid bodies (whose forces begin
+  /// at zero here). Parallel; the same bits for any number of threads.
+  /// @throws InputError for bodies that overlap deeply at the start, NumericalError where sides move so far in a step
+  ///         that they could pass each other
+  PenaltyEnergy add_forces(const StepTimes& times, std::span<const BodyState> bodies) override;
+  /// Rigid bodies from t_n to t_{n+1}; other forces on them are added before.
+  void advance(const StepTimes& times) override;
+  /// Of the free rigid bodies.
+  double kinetic_energy() const override;
+  /// Of drives and of gravity on rigid bodies.
+  double external_work() const override;
+
+  const ContactReport& report() const { return report_; }
+  std::vector<RigidState>& rigid() { return rigid_; }
+  const std::vector<RigidState>& rigid() const { return rigid_; }
+  const std::vector<MovingSurface>& surfaces() const { return surfaces_; }
+
+  std::vector<double> save() const override;
+  void load(std::span<const double> values) override;
+
+ private:
+  /// What a touch remembers.
+  struct Memory {
+    std::uint64_t key = 0;
+    Point3 traction{};   ///< tangential force on the side pushed along the normal
+    double baseline = 0; ///< penetration without force, length
+    double depth = 0;    ///< length
+    double sliding = 0;  ///< 1 while the friction limit is reached
+  };
+  struct Spring {
+    double stiffness = 0, scale = 1;
+    double with_damping = 1; ///< factor on the stiffness in the bound of stability
+    double reach = 1;        ///< Σ of weights that the bound multiplies with
+    double lever = 0;        ///< 1 + arm / radius of gyration of a free rigid body
+    Point3 velocity{};       ///< relative, of the side pushed along the normal
+  };
+
+  void look_where_stale(std::span<const BodyState> bodies);
+  void move(std::span<const BodyState> bodies, const StepTimes& times);
+  void find(const StepTimes& times);
+  const Memory* remembered(std::uint64_t key) const;
+  Point3 relative_velocity(const Touch& touch, const StepTimes& times) const;
+
+  void share_budget(std::span<const BodyState> bodies, const StepTimes& times);
+  void set_springs();
+  void keep_within_budget(std::span<const BodyState> bodies, const StepTimes& times);
+  void weigh_rigid(const StepTimes& times);
+  void sum_at_vertices(bool scaled);
+  Eigen::VectorXd sum_at_nodes(const MovingSurface& surface, const std::vector<std::int32_t>& nodes,
+                               const std::vector<double>& at_vertices) const;
+
+  void apply_forces(const StepTimes& times);
+  Point3 friction(const Touch& touch, const Spring& spring, const ContactPair& pair, double normal_force,
+                  const StepTimes& times, Memory& memory);
+  void hand_back(std::span<const BodyState> bodies, const StepTimes& times);
+
+  std::vector<MovingSurface> surfaces_;
+  std::vector<RigidState> rigid_;
+  std::vector<PairSearch> searches_;
+  ContactReport report_;
+  bool started_ = false;
+  double reference_dt_ = 0; ///< of the springs
+  /// Per surface and vertex: mass of the slab behind it / dt², lowered where a node could not bear it; force/length³.
+  std::vector<std::vector<double>> density_;
+  std::vector<std::vector<double>> vertex_sum_; ///< per surface and vertex: Σ k · reach · |weight| of this step
+  std::vector<std::vector<Point3>> vertex_force_;
+  std::vector<Touch> touches_; ///< ascending by key
+  std::vector<std::size_t> pair_of_;
+  std::vector<Spring> springs_;
+  std::vector<Memory> memory_; ///< ascending by key
+  std::vector<double> rigid_weight_, rigid_sum_;
+  std::vector<Eigen::VectorXd> force_, last_force_; ///< per deformable body, (3 num_nodes)
+};
+
+} // namespace iga::solve

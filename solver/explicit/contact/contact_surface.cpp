@@ -1,0 +1,104 @@
+#include "solver/explicit/contact/contact_surface.hpp"
+
+#include "solver/surface_output.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <tbb/parallel_for.h>
+
+namespace iga::solve {
+
+namespace {
+
+/// Vertices that the a-th span owns, span by span.
+struct Owned {
+  std::vector<std::size_t> vertex, first;
+};
+
+Owned group_by_span(const OutputMesh& output, std::size_t num_active, const std::vector<std::int64_t>& active) {
+  Owned owned;
+  owned.vertex.resize(output.span.size());
+  std::iota(owned.vertex.begin(), owned.vertex.end(), std::size_t{0});
+  std::stable_sort(owned.vertex.begin(), owned.vertex.end(),
+                   [&](std::size_t a, std::size_t b) { return output.span[a] < output.span[b]; });
+  owned.first.assign(num_active + 1, 0);
+  std::size_t at = 0;
+  for (std::size_t a = 0; a < num_active; ++a) {
+    owned.first[a] = at;
+    while (at < owned.vertex.size() && output.span[owned.vertex[at]] == active[a]) ++at;
+  }
+  owned.first[num_active] = at;
+  return owned;
+}
+
+} // namespace
+
+ContactSurface make_contact_surface(const SolutionSpace& space, const std::string& body, double density,
+                                    double longest) {
+  const TrimmedModel& model = space.model();
+  const Point3 h = model.grid.span_size();
+  ContactSurface surface;
+  surface.body = body;
+  surface.density = density;
+  surface.span_size = std::min({h[0], h[1], h[2]});
+  OutputMesh output = refine_surface(model, longest > 0 ? longest : 0.5 * surface.span_size);
+  const Owned owned = group_by_span(output, model.active.size(), model.active);
+  std::vector<std::vector<Eigen::Triplet<double>>> rows(model.active.size());
+  tbb::parallel_for(std::size_t{0}, model.active.size(), [&](std::size_t a) {
+    const std::size_t n = owned.first[a + 1] - owned.first[a];
+    if (n == 0) return;
+    std::vector<double> parameters;
+    for (std::size_t k = 0; k < n; ++k) {
+      const double* u = &output.parameters[3 * owned.vertex[owned.first[a] + k]];
+      parameters.insert(parameters.end(), u, u + 3);
+    }
+    SpanShapes shapes;
+    const auto span = static_cast<std::int64_t>(a);
+    evaluate(space, span, parameters, Shapes::Values, shapes);
+    const auto nodes = space.nodes(span);
+    for (std::size_t k = 0; k < n; ++k)
+      for (std::size_t i = 0; i < nodes.size(); ++i) {
+        const double N = shapes.values(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(i));
+        if (N != 0) rows[a].emplace_back(static_cast<int>(owned.vertex[owned.first[a] + k]), nodes[i], N);
+      }
+  });
+  std::vector<Eigen::Triplet<double>> all;
+  for (const auto& part : rows) all.insert(all.end(), part.begin(), part.end());
+  surface.mesh = std::move(output.mesh);
+  surface.S.resize(static_cast<Eigen::Index>(surface.mesh.vertices.size()), space.num_nodes());
+  surface.S.setFromTriplets(all.begin(), all.end());
+  return surface;
+}
+
+SparseRows rows_of(const Eigen::SparseMatrix<double, Eigen::RowMajor>& S) {
+  SparseRows rows;
+  rows.first.reserve(static_cast<std::size_t>(S.rows()) + 1);
+  rows.first.push_back(0);
+  for (Eigen::Index r = 0; r < S.rows(); ++r) {
+    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator entry(S, r); entry; ++entry) {
+      rows.column.push_back(static_cast<std::int32_t>(entry.col()));
+      rows.value.push_back(entry.value());
+    }
+    rows.first.push_back(static_cast<std::int32_t>(rows.column.size()));
+  }
+  return rows;
+}
+
+SparseRows transpose(const SparseRows& S, std::size_t columns) {
+  SparseRows T;
+  T.first.assign(columns + 1, 0);
+  for (const std::int32_t c : S.column) ++T.first[static_cast<std::size_t>(c) + 1];
+  std::partial_sum(T.first.begin(), T.first.end(), T.first.begin());
+  T.column.resize(S.column.size());
+  T.value.resize(S.value.size());
+  std::vector<std::int32_t> next(T.first.begin(), T.first.end() - 1);
+  for (std::size_t r = 0; r < S.rows(); ++r)
+    for (auto e = static_cast<std::size_t>(S.first[r]); e < static_cast<std::size_t>(S.first[r + 1]); ++e) {
+      const auto at = static_cast<std::size_t>(next[static_cast<std::size_t>(S.column[e])]++);
+      T.column[at] = static_cast<std::int32_t>(r);
+      T.value[at] = S.value[e];
+    }
+  return T;
+}
+
+} // namespace iga::solve

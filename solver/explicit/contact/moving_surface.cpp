@@ -1,0 +1,123 @@
+#include "solver/explicit/contact/moving_surface.hpp"
+
+#include "format/model/vec3.hpp"
+#include "solver/explicit/contact/index.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+namespace iga::solve {
+
+namespace {
+
+// Vertices per task: a few microseconds of work.
+constexpr std::size_t grain = 128;
+
+Point3 combine(const SparseRows& S, std::size_t v, const Eigen::VectorXd& nodal) {
+  Point3 sum{};
+  for (auto e = at(S.first[v]); e < at(S.first[v + 1]); ++e) {
+    const double N = S.value[e];
+    const double* c = nodal.data() + 3 * static_cast<std::ptrdiff_t>(S.column[e]);
+    sum[0] += N * c[0];
+    sum[1] += N * c[1];
+    sum[2] += N * c[2];
+  }
+  return sum;
+}
+
+template <class Work> void for_each(std::size_t n, Work&& work) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, grain), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i != range.end(); ++i) work(i);
+  });
+}
+
+} // namespace
+
+MovingSurface::MovingSurface(ContactSurface surface, std::size_t body)
+    : owner_(body), name_(std::move(surface.body)), mesh_(make_contact_mesh(surface.mesh, 3 * surface.span_size)),
+      region_(std::move(surface.mesh.region)), region_names_(std::move(surface.mesh.region_names)),
+      span_size_(surface.span_size), density_(surface.density), rows_(rows_of(surface.S)),
+      columns_(transpose(rows_, at(surface.S.cols()))), x_(mesh_.vertices), velocity_(mesh_.vertices.size()) {
+  weight_sum_.assign(rows_.rows(), 0);
+  for (std::size_t v = 0; v < rows_.rows(); ++v) {
+    for (auto e = at(rows_.first[v]); e < at(rows_.first[v + 1]); ++e) weight_sum_[v] += std::abs(rows_.value[e]);
+    largest_weight_sum_ = std::max(largest_weight_sum_, weight_sum_[v]);
+  }
+  for (std::size_t i = 0; i < columns_.rows(); ++i)
+    if (columns_.first[i] < columns_.first[i + 1]) nodes_.push_back(static_cast<std::int32_t>(i));
+}
+
+MovingSurface::MovingSurface(const MeshShape& shape, std::size_t rigid, double reach)
+    : rigid_(true), owner_(rigid), mesh_(make_contact_mesh(shape.mesh, reach)), region_(shape.mesh.region),
+      region_names_(shape.mesh.region_names), x_(mesh_.vertices), velocity_(mesh_.vertices.size()) {
+  rows_.first.assign(1, 0);
+  columns_.first.assign(1, 0);
+}
+
+void MovingSurface::activate(std::vector<std::uint8_t> is_active) {
+  active_.clear();
+  active_nodes_.clear();
+  std::vector<std::uint8_t> node(columns_.rows(), 0);
+  for (std::size_t v = 0; v < is_active.size(); ++v) {
+    if (!is_active[v]) continue;
+    active_.push_back(static_cast<std::int32_t>(v));
+    if (!rigid_)
+      for (auto e = at(rows_.first[v]); e < at(rows_.first[v + 1]); ++e) node[at(rows_.column[e])] = 1;
+  }
+  for (std::size_t i = 0; i < node.size(); ++i)
+    if (node[i]) active_nodes_.push_back(static_cast<std::int32_t>(i));
+}
+
+void MovingSurface::move_active(const BodyState& state) {
+  for_each(active_.size(), [&](std::size_t k) {
+    const std::size_t v = at(active_[k]);
+    x_[v] = plus(mesh_.vertices[v], combine(rows_, v, *state.displacement));
+    velocity_[v] = combine(rows_, v, *state.velocity);
+  });
+}
+
+void MovingSurface::move_all(const BodyState& state) {
+  for_each(x_.size(), [&](std::size_t v) { x_[v] = plus(mesh_.vertices[v], combine(rows_, v, *state.displacement)); });
+}
+
+void MovingSurface::move_active(const RigidState& state, const StepTimes& times) {
+  for (const std::int32_t v : active_) {
+    x_[at(v)] = state.to_space(mesh_.vertices[at(v)]);
+    velocity_[at(v)] = state.velocity_at(x_[at(v)], times);
+  }
+}
+
+void MovingSurface::move_all(const RigidState& state) {
+  for (std::size_t v = 0; v < x_.size(); ++v) x_[v] = state.to_space(mesh_.vertices[v]);
+}
+
+Point3 MovingSurface::normal_now(std::int32_t face) const {
+  const Triangle& t = mesh_.triangles[at(face)];
+  return twice_area(x(t[0]), x(t[1]), x(t[2]));
+}
+
+Point3 MovingSurface::pseudo_normal(std::int32_t face, int feature) const {
+  const auto unit = [&](std::int32_t f) {
+    const Point3 n = normal_now(f);
+    const double length = norm(n);
+    return length > 0 ? times(n, 1 / length) : Point3{};
+  };
+  if (feature == 0) return unit(face);
+  if (feature <= 3) {
+    const std::int32_t other = mesh_.neighbour[at(face)][at(feature - 1)];
+    return other < 0 ? unit(face) : plus(unit(face), unit(other));
+  }
+  const std::int32_t v = mesh_.triangles[at(face)][at(feature - 4)];
+  Point3 sum{};
+  for (const std::int32_t f : mesh_.faces_of(v)) { // weighted by the angle at the vertex
+    const Triangle& t = mesh_.triangles[at(f)];
+    const std::size_t i = t[0] == v ? 0 : t[1] == v ? 1 : 2;
+    const Point3 a = minus(x(t[(i + 1) % 3]), x(v)), b = minus(x(t[(i + 2) % 3]), x(v));
+    sum = plus(sum, times(unit(f), std::atan2(norm(cross(a, b)), dot(a, b))));
+  }
+  return sum;
+}
+
+} // namespace iga::solve

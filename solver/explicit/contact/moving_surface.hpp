@@ -1,0 +1,68 @@
+// A triangulated side of contact in motion: the surface of a deformable body or a rigid tool.
+#pragma once
+
+#include "solver/explicit/contact/bvh.hpp"
+#include "solver/explicit/contact/contact_mesh.hpp"
+#include "solver/explicit/contact/contact_surface.hpp"
+#include "solver/explicit/contact/rigid_body.hpp"
+
+namespace iga::solve {
+
+class MovingSurface {
+ public:
+  MovingSurface(ContactSurface surface, std::size_t body);
+  /// @param reach  how far thickness is looked for, length
+  MovingSurface(const MeshShape& shape, std::size_t rigid, double reach);
+
+  bool is_rigid() const { return rigid_; }
+  std::size_t owner() const { return owner_; } ///< number of the deformable or rigid body
+  const ContactMesh& mesh() const { return mesh_; }
+  const std::vector<std::int32_t>& region() const { return region_; }
+  const std::vector<std::string>& region_names() const { return region_names_; }
+  const std::string& name() const { return name_; }
+  double span_size() const { return span_size_; }
+  double density() const { return density_; }
+  /// Rows S_v of the vertices and their transpose; no rows for a tool.
+  const SparseRows& rows() const { return rows_; }
+  const SparseRows& columns() const { return columns_; }
+  /// Σ_i |S_vi|: 1 without extension.
+  double weight_sum(std::int32_t v) const { return weight_sum_[static_cast<std::size_t>(v)]; }
+  double largest_weight_sum() const { return largest_weight_sum_; }
+  /// Nodes that move the surface, ascending.
+  const std::vector<std::int32_t>& nodes() const { return nodes_; }
+
+  /// Which vertices are kept up to date, and the nodes they hang on.
+  void activate(std::vector<std::uint8_t> is_active);
+  const std::vector<std::int32_t>& active() const { return active_; }
+  const std::vector<std::int32_t>& active_nodes() const { return active_nodes_; }
+
+  /// Positions and velocities; of the active vertices, or positions of all. Parallel.
+  void move_active(const BodyState& state);
+  void move_all(const BodyState& state);
+  void move_active(const RigidState& state, const StepTimes& times);
+  void move_all(const RigidState& state);
+
+  const Point3& x(std::int32_t v) const { return x_[static_cast<std::size_t>(v)]; }
+  const Point3& velocity(std::int32_t v) const { return velocity_[static_cast<std::size_t>(v)]; }
+  const std::vector<Point3>& positions() const { return x_; }
+  /// Twice the area times the normal, where the corners are up to date.
+  Point3 normal_now(std::int32_t face) const;
+  /// Direction that tells outside from inside at a feature of a face (closest_on_triangle): Bærentzen & Aanæs (2005).
+  Point3 pseudo_normal(std::int32_t face, int feature) const;
+
+ private:
+  bool rigid_ = false;
+  std::size_t owner_ = 0;
+  std::string name_;
+  ContactMesh mesh_;
+  std::vector<std::int32_t> region_;
+  std::vector<std::string> region_names_;
+  double span_size_ = 0, density_ = 0;
+  SparseRows rows_, columns_;
+  std::vector<double> weight_sum_;
+  double largest_weight_sum_ = 1;
+  std::vector<std::int32_t> nodes_, active_, active_nodes_;
+  std::vector<Point3> x_, velocity_;
+};
+
+} // namespace iga::solve

@@ -1,0 +1,330 @@
+#include "solver/explicit/contact/pair_search.hpp"
+
+#include "format/io/settings_reader.hpp"
+#include "format/model/errors.hpp"
+#include "format/model/vec3.hpp"
+#include "solver/explicit/contact/closest_point.hpp"
+#include "solver/explicit/contact/index.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <limits>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+namespace iga::solve {
+
+namespace {
+
+constexpr double inf = std::numeric_limits<double>::infinity();
+// Neighbours on one smooth patch, which self-contact skips: nearer than this many spans in the reference …
+constexpr double neighbour_spans = 1.5;
+// … and with normals that agree this well.
+constexpr double neighbour_cosine = 0.5;
+
+SideMask make_mask(const MovingSurface& s, const std::vector<std::string>& regions, const std::string& pair) {
+  SideMask mask;
+  const auto& names = s.region_names();
+  std::vector<std::uint8_t> chosen(names.size(), regions.empty() ? 1 : 0);
+  for (const std::string& wanted : regions) {
+    const auto found = std::find(names.begin(), names.end(), wanted);
+    if (found == names.end())
+      throw InputError(fmt::format("contact '{}': the surface of '{}' has no region '{}'; it has {}", pair, s.name(),
+                                   wanted, fmt::join(names, ", ")));
+    chosen[at(found - names.begin())] = 1;
+  }
+  mask.face.assign(s.mesh().triangles.size(), 1);
+  mask.vertex.assign(s.mesh().vertices.size(), 0);
+  for (std::size_t f = 0; f < mask.face.size(); ++f) {
+    if (!regions.empty()) mask.face[f] = chosen[at(s.region()[f])];
+    if (mask.face[f])
+      for (const std::int32_t v : s.mesh().triangles[f]) mask.vertex[at(v)] = 1;
+  }
+  return mask;
+}
+
+Box3 box_of(const MovingSurface& s, const Triangle& t) {
+  const Point3 &a = s.x(t[0]), &b = s.x(t[1]), &c = s.x(t[2]);
+  Box3 box;
+  for (std::size_t d = 0; d < 3; ++d) {
+    box.lower[d] = std::min({a[d], b[d], c[d]});
+    box.upper[d] = std::max({a[d], b[d], c[d]});
+  }
+  return box;
+}
+
+Box3 box_of(const MovingSurface& s) {
+  Box3 box{{inf, inf, inf}, {-inf, -inf, -inf}};
+  for (const Point3& x : s.positions())
+    for (std::size_t d = 0; d < 3; ++d) {
+      box.lower[d] = std::min(box.lower[d], x[d]);
+      box.upper[d] = std::max(box.upper[d], x[d]);
+    }
+  return box;
+}
+
+Box3 grown(Box3 box, double by) {
+  for (std::size_t d = 0; d < 3; ++d) box.lower[d] -= by, box.upper[d] += by;
+  return box;
+}
+
+double gap_between(const Box3& a, const Box3& b) {
+  Point3 gap{};
+  for (std::size_t d = 0; d < 3; ++d) gap[d] = std::max({0.0, a.lower[d] - b.upper[d], b.lower[d] - a.upper[d]});
+  return norm(gap);
+}
+
+void mark_ring(const ContactMesh& mesh, std::int32_t v, std::vector<std::uint8_t>& is_active) {
+  for (const std::int32_t f : mesh.faces_of(v))
+    for (const std::int32_t w : mesh.triangles[at(f)]) is_active[at(w)] = 1;
+}
+
+Point3 mean_motion(const std::vector<std::int32_t>& nodes, const Eigen::VectorXd& now, const Eigen::VectorXd& then) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const std::int32_t i : nodes) sum += now.segment<3>(3 * i) - then.segment<3>(3 * i);
+  sum /= static_cast<double>(std::max<std::size_t>(nodes.size(), 1));
+  return {sum[0], sum[1], sum[2]};
+}
+
+double largest_motion(const MovingSurface& s, const Eigen::VectorXd& now, const Eigen::VectorXd& then,
+                      const Point3& beside) {
+  const Eigen::Vector3d w(beside[0], beside[1], beside[2]);
+  double largest2 = 0;
+  for (const std::int32_t i : s.nodes())
+    largest2 = std::max(largest2, (now.segment<3>(3 * i) - then.segment<3>(3 * i) - w).squaredNorm());
+  return s.largest_weight_sum() * std::sqrt(largest2);
+}
+
+} // namespace
+
+PairSearch::PairSearch(ContactPair pair, const std::vector<MovingSurface>& surfaces,
+                       const std::vector<RigidState>& rigid, const std::vector<std::ptrdiff_t>& tool, double skin)
+    : pair_(std::move(pair)), first_(pair_.first.number) {
+  const auto is_deformable = [&](std::size_t s) { return s < surfaces.size() && !surfaces[s].is_rigid(); };
+  if (pair_.first.kind != ContactSide::Kind::Deformable || !is_deformable(first_))
+    throw InputError(fmt::format("contact '{}': the first side must be a deformable body", pair_.name));
+  const double h = surfaces[first_].span_size();
+  first_mask_ = make_mask(surfaces[first_], pair_.first.regions, pair_.name);
+  skin_ = skin * h;
+  if (pair_.second.kind == ContactSide::Kind::Rigid) {
+    const std::size_t r = pair_.second.number;
+    if (r >= rigid.size()) throw InputError(fmt::format("contact '{}': there is no rigid body {}", pair_.name, r));
+    if (tool[r] < 0) {
+      vertex_shape_.push_back({first_, r, {}});
+      return;
+    }
+    second_ = at(tool[r]);
+    second_mask_ = make_mask(surfaces[second_], {}, pair_.name);
+    vertex_face_.push_back({first_, second_, 1, false, {}, {}, {}, {}});
+    if (pair_.edges) vertex_face_.push_back({second_, first_, 1, true, {}, {}, {}, {}});
+  } else {
+    second_ = pair_.second.number;
+    if (!is_deformable(second_))
+      throw InputError(fmt::format("contact '{}': there is no deformable body {}", pair_.name, second_));
+    self_ = first_ == second_;
+    skin_ = skin * std::min(h, surfaces[second_].span_size());
+    second_mask_ = make_mask(surfaces[second_], pair_.second.regions, pair_.name);
+    vertex_face_.push_back({first_, second_, 0.5, false, {}, {}, {}, {}});
+    if (!self_) vertex_face_.push_back({second_, first_, 0.5, false, {}, {}, {}, {}});
+    if (self_) {
+      // One pass finds both sides: whoever is named on either side takes part.
+      for (std::size_t f = 0; f < first_mask_.face.size(); ++f) first_mask_.face[f] |= second_mask_.face[f];
+      for (std::size_t v = 0; v < first_mask_.vertex.size(); ++v) first_mask_.vertex[v] |= second_mask_.vertex[v];
+    }
+  }
+  least_reference_distance_ = neighbour_spans * h;
+  if (pair_.edges) edges_.push_back({first_, second_, {}});
+}
+
+std::size_t PairSearch::num_candidates() const {
+  std::size_t n = 0;
+  for (const auto& pass : vertex_face_) n += pass.faces.size();
+  for (const auto& pass : vertex_shape_) n += pass.vertex.size();
+  for (const auto& pass : edges_) n += pass.edges.size();
+  return n;
+}
+
+double PairSearch::moved(const std::vector<MovingSurface>& surfaces, std::span<const BodyState> bodies,
+                         const std::vector<RigidState>& rigid) const {
+  const MovingSurface& first = surfaces[first_];
+  const Eigen::VectorXd& u = *bodies[first.owner()].displacement;
+  if (pair_.second.kind == ContactSide::Kind::Rigid) {
+    const Pose& pose = rigid[pair_.second.number].pose();
+    const Eigen::Vector3d way = pose.centre - rigid_pose_.centre;
+    const double angle = std::abs(Eigen::AngleAxisd(pose.turn * rigid_pose_.turn.conjugate()).angle());
+    const double swept = angle > 0 ? angle * reach_ : 0;
+    return swept + largest_motion(first, u, first_displacement_, {way[0], way[1], way[2]});
+  }
+  const MovingSurface& second = surfaces[second_];
+  const Eigen::VectorXd& v = *bodies[second.owner()].displacement;
+  const Point3 w = mean_motion(second.nodes(), v, second_displacement_);
+  return largest_motion(first, u, first_displacement_, w) + largest_motion(second, v, second_displacement_, w);
+}
+
+bool PairSearch::is_stale(const std::vector<MovingSurface>& surfaces, std::span<const BodyState> bodies,
+                          const std::vector<RigidState>& rigid) const {
+  return !looked_ || moved(surfaces, bodies, rigid) > allowance_;
+}
+
+void PairSearch::look(const std::vector<MovingSurface>& surfaces, std::span<const BodyState> bodies,
+                      const std::vector<RigidState>& rigid, const DepthOf& depth_of) {
+  first_displacement_ = *bodies[surfaces[first_].owner()].displacement;
+  allowance_ = skin_;
+  if (pair_.second.kind == ContactSide::Kind::Rigid) {
+    const RigidState& body = rigid[pair_.second.number];
+    rigid_pose_ = body.pose();
+    reach_ = bounding_radius(body.body().shape);
+    if (!(reach_ < inf)) {
+      reach_ = 0;
+      const Point3 c{rigid_pose_.centre[0], rigid_pose_.centre[1], rigid_pose_.centre[2]};
+      for (const Point3& x : surfaces[first_].positions()) reach_ = std::max(reach_, norm(minus(x, c)) + skin_);
+    }
+  } else {
+    second_displacement_ = *bodies[surfaces[second_].owner()].displacement;
+  }
+  const bool deep_look = first_look_ && !self_;
+  // Boxes apart: nothing can touch until the gap is closed.
+  const double apart = self_ || second_ == npos ? 0 : gap_between(box_of(surfaces[first_]), box_of(surfaces[second_]));
+  for (std::size_t p = 0; p < vertex_face_.size(); ++p) {
+    VertexFaceCandidates& pass = vertex_face_[p];
+    if (apart > skin_ && !first_look_) {
+      pass.vertex.clear();
+      pass.faces.clear();
+      pass.offsets = {0};
+    } else {
+      look_at_faces(pass, p, surfaces, depth_of);
+    }
+  }
+  for (auto& pass : edges_) {
+    pass.edges.clear();
+    if (apart <= skin_) look_at_edges(pass, surfaces);
+  }
+  if (apart > skin_) allowance_ = apart;
+  for (auto& pass : vertex_shape_) look_at_shape(pass, surfaces, rigid);
+  first_look_ = false;
+  looked_ = !deep_look; // the first look reaches for initial penetrations; the next one is narrower
+}
+
+bool PairSearch::are_neighbours(const ContactMesh& mesh, std::int32_t vertex, std::int32_t face) const {
+  const Triangle& t = mesh.triangles[at(face)];
+  if (t[0] == vertex || t[1] == vertex || t[2] == vertex) return true;
+  if (dot(mesh.vertex_normal[at(vertex)], mesh.face_normal[at(face)]) <= neighbour_cosine) return false;
+  Point3 middle{};
+  for (const std::int32_t v : t) middle = plus(middle, times(mesh.vertices[at(v)], 1.0 / 3));
+  return norm(minus(mesh.vertices[at(vertex)], middle)) < least_reference_distance_;
+}
+
+void PairSearch::look_at_faces(VertexFaceCandidates& pass, std::size_t number,
+                               const std::vector<MovingSurface>& surfaces, const DepthOf& depth_of) const {
+  const MovingSurface &slave = surfaces[pass.slave], &master = surfaces[pass.master];
+  const SideMask &vertices = mask(pass.slave), &faces = mask(pass.master);
+  std::vector<Box3> boxes(master.mesh().triangles.size());
+  for (std::size_t f = 0; f < boxes.size(); ++f) boxes[f] = box_of(master, master.mesh().triangles[f]);
+  if (first_look_)
+    pass.tree = Bvh(boxes);
+  else
+    pass.tree.refit(boxes);
+  // A face that a vertex enters was within the skin of it; what lies next to the entered one within twice that.
+  double first_reach = 0;
+  if (first_look_ && !self_)
+    for (const double thickness : master.mesh().thickness) first_reach = std::max(first_reach, 0.5 * thickness);
+  std::vector<std::vector<std::int32_t>> found(slave.mesh().vertices.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, found.size(), 64), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+      if (!vertices.vertex[i] || (pass.sharp_only && !slave.mesh().is_sharp[i])) continue;
+      const auto v = static_cast<std::int32_t>(i);
+      const Point3& x = slave.x(v);
+      const double reach = 2 * skin_ + std::max(first_reach, depth_of(number, v));
+      pass.tree.each_overlap(grown({x, x}, reach), [&](std::int32_t f) {
+        if (!faces.face[at(f)] || (self_ && are_neighbours(master.mesh(), v, f))) return;
+        const Triangle& t = master.mesh().triangles[at(f)];
+        if (closest_on_triangle(x, master.x(t[0]), master.x(t[1]), master.x(t[2])).distance2 <= reach * reach)
+          found[i].push_back(f);
+      });
+      std::sort(found[i].begin(), found[i].end());
+    }
+  });
+  pass.vertex.clear();
+  pass.faces.clear();
+  pass.offsets = {0};
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (found[i].empty()) continue;
+    pass.vertex.push_back(static_cast<std::int32_t>(i));
+    pass.faces.insert(pass.faces.end(), found[i].begin(), found[i].end());
+    pass.offsets.push_back(pass.faces.size());
+  }
+}
+
+void PairSearch::look_at_shape(VertexShapeCandidates& pass, const std::vector<MovingSurface>& surfaces,
+                               const std::vector<RigidState>& rigid) {
+  const MovingSurface& slave = surfaces[pass.slave];
+  const RigidState& body = rigid[pass.rigid];
+  pass.vertex.clear();
+  double smallest = inf;
+  for (std::size_t v = 0; v < slave.mesh().vertices.size(); ++v) {
+    if (!mask(pass.slave).vertex[v]) continue;
+    const double gap = distance_to_shape(body.body().shape, body.to_body(slave.positions()[v])).gap;
+    smallest = std::min(smallest, gap);
+    if (gap <= skin_) pass.vertex.push_back(static_cast<std::int32_t>(v));
+  }
+  if (smallest > skin_) allowance_ = smallest;
+}
+
+void PairSearch::look_at_edges(EdgeCandidates& pass, const std::vector<MovingSurface>& surfaces) const {
+  const MovingSurface &first = surfaces[pass.first], &second = surfaces[pass.second];
+  const auto &own = first.mesh().sharp_edges, &others = second.mesh().sharp_edges;
+  const auto box = [](const MovingSurface& s, const SharpEdge& e) {
+    Box3 b;
+    for (std::size_t d = 0; d < 3; ++d) {
+      b.lower[d] = std::min(s.x(e.a)[d], s.x(e.b)[d]);
+      b.upper[d] = std::max(s.x(e.a)[d], s.x(e.b)[d]);
+    }
+    return b;
+  };
+  std::vector<Box3> boxes;
+  for (const SharpEdge& e : others) boxes.push_back(box(second, e));
+  const Bvh tree(boxes);
+  const SideMask &mask_first = mask(pass.first), &mask_second = mask(pass.second);
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    const SharpEdge& e = own[i];
+    if (!mask_first.face[at(e.left)] && !mask_first.face[at(e.right)]) continue;
+    const std::size_t begin = pass.edges.size();
+    // Edges that touch lie as deep in each other as the faces beside them.
+    tree.each_overlap(grown(box(first, e), 4 * skin_), [&](std::int32_t j) {
+      const SharpEdge& o = others[at(j)];
+      if (!mask_second.face[at(o.left)] && !mask_second.face[at(o.right)]) return;
+      if (self_) {
+        if (at(j) <= i || o.a == e.a || o.a == e.b || o.b == e.a || o.b == e.b) return;
+        if (are_neighbours(first.mesh(), e.a, o.left) || are_neighbours(first.mesh(), e.b, o.right)) return;
+      }
+      pass.edges.emplace_back(static_cast<std::int32_t>(i), j);
+    });
+    std::sort(pass.edges.begin() + static_cast<std::ptrdiff_t>(begin), pass.edges.end());
+  }
+}
+
+void PairSearch::mark(const std::vector<MovingSurface>& surfaces,
+                      std::vector<std::vector<std::uint8_t>>& is_active) const {
+  for (const auto& pass : vertex_shape_)
+    for (const std::int32_t v : pass.vertex) mark_ring(surfaces[pass.slave].mesh(), v, is_active[pass.slave]);
+  for (const auto& pass : vertex_face_) {
+    for (const std::int32_t v : pass.vertex) mark_ring(surfaces[pass.slave].mesh(), v, is_active[pass.slave]);
+    const ContactMesh& master = surfaces[pass.master].mesh();
+    for (const std::int32_t f : pass.faces)
+      for (const std::int32_t v : master.triangles[at(f)]) mark_ring(master, v, is_active[pass.master]);
+  }
+  for (const auto& pass : edges_)
+    for (const auto& [i, j] : pass.edges) {
+      const auto ring = [&](std::size_t s, std::int32_t number) {
+        const SharpEdge& e = surfaces[s].mesh().sharp_edges[at(number)];
+        mark_ring(surfaces[s].mesh(), e.a, is_active[s]);
+        mark_ring(surfaces[s].mesh(), e.b, is_active[s]);
+      };
+      ring(pass.first, i);
+      ring(pass.second, j);
+    }
+}
+
+} // namespace iga::solve
