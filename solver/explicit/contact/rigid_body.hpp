@@ -80,6 +80,7 @@ class RigidState {
 
   const RigidBody& body() const { return body_; }
   const Pose& pose() const { return now_; }
+  const Pose& pose_before() const { return last_; } ///< at the t_n that the last advance began with
   bool is_free() const { return std::holds_alternative<FreeMotion>(body_.motion); }
   bool is_fixed() const { return std::holds_alternative<FixedMotion>(body_.motion); }
   double mass() const; ///< infinite unless free
