@@ -130,7 +130,7 @@ struct TimeSeries {
     std::string name;
     std::vector<double> position; ///< 3; of the centre
     std::vector<double> rotation; ///< 4; unit quaternion w x y z from the start's axes to now
-    std::vector<double> velocity; ///< 3; half a step before
+    std::vector<double> velocity; ///< 3; half a step later
     std::vector<double> force;    ///< 3; of all contacts
     std::vector<double> moment;   ///< 3; about the centre
   };

@@ -57,7 +57,7 @@ template <class Series, class Visit> void for_each_series(Series& t, Visit&& vis
     visit(SeriesColumn{at + "position", "length", vector, "position of the centre", 3}, r.position);
     visit(SeriesColumn{at + "rotation", "1", "(time; w x y z)", "unit quaternion from the axes at the start", 4},
           r.rotation);
-    visit(SeriesColumn{at + "velocity", "length/time", vector, "velocity of the centre, half a step before", 3},
+    visit(SeriesColumn{at + "velocity", "length/time", vector, "velocity of the centre, half a step later", 3},
           r.velocity);
     visit(SeriesColumn{at + "force", "force", vector, "force of all contacts", 3}, r.force);
     visit(SeriesColumn{at + "moment", "force*length", vector, "moment of all contacts about the centre", 3}, r.moment);
