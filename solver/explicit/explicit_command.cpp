@@ -105,7 +105,7 @@ int run_explicit(const ExplicitCommand& command) {
   std::vector<std::string> warnings;
   if (command.restart) { // before hours of work
     restart = read_restart(restart_path(output));
-    warnings = check_restart(*restart, inputs, restart_path(output));
+    warnings = check_restart(*restart, inputs, restart_path(output), IGA_VERSION);
   }
   ExplicitScene scene(run);
   warnings.insert(warnings.end(), scene.warnings().begin(), scene.warnings().end());

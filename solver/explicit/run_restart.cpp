@@ -177,11 +177,11 @@ RestartState read_restart(const std::filesystem::path& path) {
 }
 
 std::vector<std::string> check_restart(const RestartState& restart, const std::vector<InputFile>& inputs,
-                                       const std::filesystem::path& path) {
-  if (restart.version != IGA_VERSION)
+                                       const std::filesystem::path& path, const std::string& version) {
+  if (restart.version != version)
     throw InputError(fmt::format("{}: was written by igasolve {}, this is {}; go on with the program that began the run, "
                                  "or start anew without --restart",
-                                 path.string(), restart.version, IGA_VERSION));
+                                 path.string(), restart.version, version));
   if (inputs.size() != restart.inputs.size())
     throw InputError(fmt::format("{}: the run began with {} files, the run file names {} now; restart with the run file "
                                  "that it began with",

@@ -29,9 +29,9 @@ void write_restart(const std::filesystem::path& path, const RestartState& restar
 RestartState read_restart(const std::filesystem::path& path);
 
 /// Holds the files of a run against those that the restart file remembers. A run file that changed is told, all others
-/// must be the same. @returns warnings
+/// must be the same. @param version  of this program. @returns warnings
 /// @throws InputError naming the file that changed, the version that differs
 std::vector<std::string> check_restart(const RestartState& restart, const std::vector<InputFile>& inputs,
-                                       const std::filesystem::path& path);
+                                       const std::filesystem::path& path, const std::string& version);
 
 } // namespace iga::solve

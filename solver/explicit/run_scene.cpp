@@ -130,19 +130,16 @@ void ExplicitScene::find_limits() {
 
 void ExplicitScene::make_integrator() {
   IntegratorSettings settings = run_.time;
-  double first = settings.largest_dt > 0 ? settings.largest_dt : limits_[0].dt;
   std::size_t limiting = 0;
-  for (std::size_t b = 0; b < limits_.size(); ++b)
-    if (settings.safety * limits_[b].dt < first) {
-      first = settings.safety * limits_[b].dt;
-      limiting = b;
-    }
+  for (std::size_t b = 1; b < limits_.size(); ++b)
+    if (limits_[b].dt < limits_[limiting].dt) limiting = b;
+  const double stable = settings.safety * limits_[limiting].dt;
   if (run_.smallest_dt > 0) {
-    if (first < run_.smallest_dt)
+    if (stable < run_.smallest_dt)
       throw InputError(fmt::format("{}: the first time step would be {:.4g} (body '{}'), below dt_min = {:g}; lower dt_min, "
                                    "choose larger spans, or treat light functions",
-                                   run_.time_where, first, run_.bodies[limiting].body.name, run_.smallest_dt));
-    settings.floor = run_.smallest_dt / first;
+                                   run_.time_where, stable, run_.bodies[limiting].body.name, run_.smallest_dt));
+    settings.floor = run_.smallest_dt / stable;
   }
   std::vector<ExplicitBody*> bodies;
   for (const auto& body : bodies_) bodies.push_back(body.get());
