@@ -5,6 +5,7 @@
 #include "format/io/trimmed_model_io.hpp"
 #include "format/model/errors.hpp"
 #include "solver/explicit/contact/contact_surface.hpp"
+#include "solver/explicit/run_overlap.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -116,6 +117,7 @@ void ExplicitScene::add_contact() {
     check_regions(contact.where, contact.pair.second, surfaces);
     pairs.push_back(contact.pair);
   }
+  refuse_deep_overlap(run_, surfaces);
   contact_ = at(run_.file.string(), [&] {
     return std::make_unique<ContactModel>(std::move(surfaces), std::move(rigid), std::move(pairs), run_.contact);
   });
