@@ -18,7 +18,8 @@ bool holds_results(const std::filesystem::path& file) {
   return reader.has_attribute("/", "format") && reader.text("/", "format") == "iga-trimmed-solid-results";
 }
 
-void check_model(const std::filesystem::path& file, std::vector<std::string>& problems, std::vector<std::string>& notes) {
+void check_model(const std::filesystem::path& file, std::vector<std::string>& problems,
+                 std::vector<std::string>& notes) {
   const TrimmedModel model = io::load_model(file);
   problems = check(model);
   if (model.surface.accepted_leak > 0)

@@ -29,7 +29,8 @@ const char* const analysis_footer =
 [material] E, nu, rho or C; [eigen] modes, largest, sturm; [results] subdivide, viewer; [[support]], [[load]], [[probe]].
 Paths in it are relative to its folder; flags override it.)";
 
-const char* const explicit_footer = R"(Example of a run file (kg, mm, ms); all keys: solver/explicit/README.md. Paths are relative to its folder.
+const char* const explicit_footer =
+    R"(Example of a run file (kg, mm, ms); all keys: solver/explicit/README.md. Paths are relative to its folder.
   gravity = [0, 0, -9.81e-3]
   [[bodies]]
   name = "cube"

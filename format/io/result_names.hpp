@@ -82,26 +82,26 @@ struct NamedGroup {
   const char *path, *description, *one;
   DatasetText names;
 };
-constexpr NamedGroup contact_series{"/time_series/contact",
-                                    "forces of each contact",
-                                    "one contact",
-                                    {"/time_series/contact_names", "1", "(contact)",
-                                     "names of the contacts, each a group of /time_series/contact"}};
-constexpr NamedGroup body_series{"/time_series/body",
-                                 "deformable bodies",
-                                 "one body",
-                                 {"/time_series/body_names", "1", "(body)",
-                                  "names of the bodies, each a group of /time_series/body"}};
-constexpr NamedGroup rigid_series{"/time_series/rigid",
-                                  "rigid bodies",
-                                  "one rigid body",
-                                  {"/time_series/rigid_names", "1", "(rigid body)",
-                                   "names of the rigid bodies, each a group of /time_series/rigid"}};
-constexpr NamedGroup support_series{"/time_series/support",
-                                    "driven and fixed regions",
-                                    "one support",
-                                    {"/time_series/support_names", "1", "(support)",
-                                     "names of the supports, each a group of /time_series/support"}};
+constexpr NamedGroup contact_series{
+    "/time_series/contact",
+    "forces of each contact",
+    "one contact",
+    {"/time_series/contact_names", "1", "(contact)", "names of the contacts, each a group of /time_series/contact"}};
+constexpr NamedGroup body_series{
+    "/time_series/body",
+    "deformable bodies",
+    "one body",
+    {"/time_series/body_names", "1", "(body)", "names of the bodies, each a group of /time_series/body"}};
+constexpr NamedGroup rigid_series{
+    "/time_series/rigid",
+    "rigid bodies",
+    "one rigid body",
+    {"/time_series/rigid_names", "1", "(rigid body)", "names of the rigid bodies, each a group of /time_series/rigid"}};
+constexpr NamedGroup support_series{
+    "/time_series/support",
+    "driven and fixed regions",
+    "one support",
+    {"/time_series/support_names", "1", "(support)", "names of the supports, each a group of /time_series/support"}};
 constexpr NamedGroup body_heads{"/bodies",
                                 "deformable bodies and their models",
                                 "one body",

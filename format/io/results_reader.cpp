@@ -154,7 +154,8 @@ StaticResult read_static(const H5Reader& file, std::int64_t num_functions) {
 }
 
 // Things by the list of their names; none where the group is absent.
-template <class Thing> void read_named(const H5Reader& file, const result::NamedGroup& group, std::vector<Thing>& things) {
+template <class Thing>
+void read_named(const H5Reader& file, const result::NamedGroup& group, std::vector<Thing>& things) {
   if (!file.has(group.path)) return;
   for (std::string& name : file.strings(group.names.path)) {
     const std::string path = fmt::format("{}/{}", group.path, name);

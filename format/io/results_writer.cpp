@@ -120,8 +120,7 @@ template <class Thing>
 void write_named(H5Writer& file, const result::NamedGroup& group, const std::vector<Thing>& things) {
   file.group(group.path, group.description);
   file.strings(group.names, column(things, [](const auto& thing) { return thing.name; }));
-  for (const Thing& thing : things)
-    file.group(fmt::format("{}/{}", group.path, thing.name).c_str(), group.one);
+  for (const Thing& thing : things) file.group(fmt::format("{}/{}", group.path, thing.name).c_str(), group.one);
 }
 
 void write_time_series(H5Writer& file, const TimeSeries& t) {

@@ -192,7 +192,7 @@ struct Results {
   std::optional<StaticResult> statics;
   std::optional<TimeSeries> time_series;
   std::optional<SurfaceResult> surface;
-  std::vector<BodyResult> bodies = {}; ///< explicit
+  std::vector<BodyResult> bodies = {};   ///< explicit
   std::optional<FieldIndex> fields = {}; ///< explicit
 };
 

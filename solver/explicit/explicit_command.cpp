@@ -26,8 +26,8 @@ void check_targets(const ExplicitCommand& command, const ExplicitRun& run, const
   if (command.restart) {
     for (const auto& file : {restart_path(output), output})
       if (!std::filesystem::exists(file))
-        throw InputError(fmt::format("{}: there is nothing to go on with: no such file; start the run without --restart",
-                                     file.string()));
+        throw InputError(fmt::format(
+            "{}: there is nothing to go on with: no such file; start the run without --restart", file.string()));
     return;
   }
   io::check_results_target(output, command.force);
@@ -136,8 +136,8 @@ int run_explicit(const ExplicitCommand& command) {
   const int signal = loop.run();
   if (signal != 0) {
     const bool can_go_on = std::filesystem::exists(restart_path(output));
-    fmt::print(stderr, "igasolve: interrupted at t = {:.6g}; {} holds the results so far{}\n", scene.integrator().time(),
-               output.string(),
+    fmt::print(stderr, "igasolve: interrupted at t = {:.6g}; {} holds the results so far{}\n",
+               scene.integrator().time(), output.string(),
                can_go_on ? fmt::format(", {} the state: add --restart to go on", restart_path(output).string()) : "");
     return 128 + signal;
   }

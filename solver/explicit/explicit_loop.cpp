@@ -43,8 +43,9 @@ int ExplicitLoop::run() {
   const double end = parts_.scene.run().time.end_time;
   constexpr double parts_of_run = 1e6; // progress is counted in whole numbers
   const auto show = [&](bool now) {
-    parts_.progress.update(static_cast<std::int64_t>(parts_of_run * integrator.time() / end),
-                           static_cast<std::int64_t>(parts_of_run), [this] { return state_text(); }, now);
+    parts_.progress.update(
+        static_cast<std::int64_t>(parts_of_run * integrator.time() / end), static_cast<std::int64_t>(parts_of_run),
+        [this] { return state_text(); }, now);
   };
   parts_.progress.start("stepping");
   try {
@@ -80,8 +81,9 @@ void ExplicitLoop::follow_up() {
     next_row_ = next_number(integrator.time(), run.out.interval);
     stop_ = parts_.recorder.stop();
     if (warnings_.empty() && run.energy_warning > 0 && integrator.energy_error() > run.energy_warning) {
-      warnings_.push_back(fmt::format("t = {:.6g}: the energy balance is off by {:.3g} of the largest energy, more than {:g}",
-                                      integrator.time(), integrator.energy_error(), run.energy_warning));
+      warnings_.push_back(
+          fmt::format("t = {:.6g}: the energy balance is off by {:.3g} of the largest energy, more than {:g}",
+                      integrator.time(), integrator.energy_error(), run.energy_warning));
     }
     parts_.outputs.publish_if_cheap(parts_.recorder.series());
   }
@@ -115,9 +117,10 @@ void ExplicitLoop::write_restart_file() const {
 std::string ExplicitLoop::state_text() const {
   const Integrator& integrator = parts_.scene.integrator();
   const EnergyBalance& e = integrator.energy();
-  return fmt::format("step {}, t = {:.5g}, dt = {:.3g}, internal {:.4g}, kinetic {:.4g}, contact {:.3g}, energy error {:.1e}",
-                     integrator.steps(), integrator.time(), integrator.dt(), e.internal, e.kinetic, e.contact,
-                     integrator.energy_error());
+  return fmt::format(
+      "step {}, t = {:.5g}, dt = {:.3g}, internal {:.4g}, kinetic {:.4g}, contact {:.3g}, energy error {:.1e}",
+      integrator.steps(), integrator.time(), integrator.dt(), e.internal, e.kinetic, e.contact,
+      integrator.energy_error());
 }
 
 double ExplicitLoop::momentum_error() const {

@@ -58,8 +58,9 @@ std::string explicit_text(const ExplicitOutcome& o) {
   const double stepping = seconds_of(o.timings, "stepping");
   report.line("steps", "{} until t = {:.6g} ({}), last dt {:.4g}{}", integrator.steps(), integrator.time(),
               how_it_ended(o), integrator.dt(),
-              stepping > 0 ? fmt::format(", {:.3g} ms per step", 1e3 * stepping / static_cast<double>(integrator.steps()))
-                           : "");
+              stepping > 0
+                  ? fmt::format(", {:.3g} ms per step", 1e3 * stepping / static_cast<double>(integrator.steps()))
+                  : "");
   const auto energies = integrator.energy().values();
   std::string text;
   for (std::size_t i = 0; i < energies.size(); ++i)
@@ -98,7 +99,9 @@ std::string explicit_json(const ExplicitOutcome& o) {
     one.add("name", run.bodies[b].body.name).add("model", run.bodies[b].model.string());
     one.add("law", run.bodies[b].material.name).add("degree", body.space().model().grid.degree()).add("spans", spans);
     one.add("points", body.space().model().points.weights.size()).add("unknowns", body.num_unknowns());
-    one.add("mass", body.mass().total()).add("mass_type", name_of(run.bodies[b].body.mass)).add("light_functions", light);
+    one.add("mass", body.mass().total())
+        .add("mass_type", name_of(run.bodies[b].body.mass))
+        .add("light_functions", light);
     one.add("dt_crit", limit.dt).add("omega_max_bound", limit.omega).add("by_lanczos", limit.by_lanczos);
     one.add("dt_spans", limit.element_dt).add("inverted", integrator.inverted(b)).add("eroded", integrator.eroded(b));
     one.add("min_volume_ratio", integrator.report(b).min_J);
@@ -106,7 +109,8 @@ std::string explicit_json(const ExplicitOutcome& o) {
   }
   for (const auto& contact : o.recorder.series().contacts) {
     const Peak peak = peak_of(o.recorder.series(), contact);
-    contacts.push_back(io::JsonObject().add("name", contact.name).add("peak_force", peak.force).add("peak_time", peak.time));
+    contacts.push_back(
+        io::JsonObject().add("name", contact.name).add("peak_force", peak.force).add("peak_time", peak.time));
   }
   io::JsonObject report, energy, timings;
   const auto energies = integrator.energy().values();

@@ -23,8 +23,9 @@ FrictionLaw read_friction(io::SettingsTable& table) {
   law.dynamic_coefficient = number_from(table, "friction_dynamic", law.static_coefficient, 0);
   law.decay = number_from(table, "friction_decay", 0, 0);
   if (law.dynamic_coefficient > law.static_coefficient)
-    refuse(table, "friction_dynamic", fmt::format("found {:g}, expected no more than the static coefficient {:g}",
-                                                  law.dynamic_coefficient, law.static_coefficient));
+    refuse(table, "friction_dynamic",
+           fmt::format("found {:g}, expected no more than the static coefficient {:g}", law.dynamic_coefficient,
+                       law.static_coefficient));
   return law;
 }
 
@@ -41,8 +42,7 @@ ContactRun read_contact(io::SettingsTable& table, ExplicitRun& run) {
     if (pair.first.kind == ContactSide::Kind::Rigid)
       refuse(table, "self", fmt::format("'{}' is rigid and cannot touch itself", *self));
   } else {
-    if (names->size() != 2)
-      refuse(table, "bodies", fmt::format("found {} names, expected two", names->size()));
+    if (names->size() != 2) refuse(table, "bodies", fmt::format("found {} names, expected two", names->size()));
     pair.first = side_by_name(table, "bodies", (*names)[0], run);
     pair.second = side_by_name(table, "bodies", (*names)[1], run);
     if (pair.first.kind == ContactSide::Kind::Rigid && pair.second.kind == ContactSide::Kind::Rigid)
@@ -72,7 +72,8 @@ void read_contacts(io::SettingsTable& root, ExplicitRun& run) {
     run.contacts.push_back(read_contact(table, run));
     for (std::size_t c = 0; c + 1 < run.contacts.size(); ++c)
       if (run.contacts[c].pair.name == run.contacts.back().pair.name)
-        refuse(table, "name", fmt::format("there is another contact '{}'; give each a name", run.contacts[c].pair.name));
+        refuse(table, "name",
+               fmt::format("there is another contact '{}'; give each a name", run.contacts[c].pair.name));
   }
 }
 

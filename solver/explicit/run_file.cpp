@@ -44,10 +44,12 @@ void read_output(io::SettingsTable& root, ExplicitRun& run) {
   out.viewer = output.boolean("viewer").value_or(true);
   if (const auto file = output.path("file")) run.output = *file;
   constexpr double most = 1e6; // rows that nobody would read
-  for (const auto& [key, interval] : {std::pair("interval", out.interval), std::pair("field_interval", out.field_interval)})
+  for (const auto& [key, interval] :
+       {std::pair("interval", out.interval), std::pair("field_interval", out.field_interval)})
     if (end / interval > most)
-      refuse(output, key, fmt::format("{:.3g} outputs until the end are more than {:g}; choose a longer interval",
-                                      end / interval, most));
+      refuse(output, key,
+             fmt::format("{:.3g} outputs until the end are more than {:g}; choose a longer interval", end / interval,
+                         most));
 }
 
 void read_stops(io::SettingsTable& root, ExplicitRun& run) {
@@ -76,7 +78,8 @@ ExplicitRun read_explicit_run(const std::filesystem::path& file) {
   run.units = root.text("units");
   const Point3 gravity = read_vector(root, "gravity").value_or(Point3{});
   read_bodies(root, gravity, run);
-  if (run.bodies.empty()) refuse(root, "bodies", "missing; a run has at least one [[bodies]] with a model and a material");
+  if (run.bodies.empty())
+    refuse(root, "bodies", "missing; a run has at least one [[bodies]] with a model and a material");
   read_rigid_bodies(root, gravity, run);
   read_contacts(root, run);
   read_timed_loads(root, run);

@@ -59,8 +59,9 @@ void RunOutputs::begin() {
 
 void RunOutputs::resume(const FieldIndex& fields, std::size_t steps) {
   if (fields.times.size() < steps)
-    throw InputError(fmt::format("{}: lists {} steps of fields, the restart file says {}; they belong to different runs",
-                                 path_.string(), fields.times.size(), steps));
+    throw InputError(
+        fmt::format("{}: lists {} steps of fields, the restart file says {}; they belong to different runs",
+                    path_.string(), fields.times.size(), steps));
   results_.fields = fields;
   results_.fields->times.resize(steps);
   results_.fields->files.resize(steps);
@@ -74,9 +75,11 @@ void RunOutputs::resume(const FieldIndex& fields, std::size_t steps) {
 // Fields that no list names would only confuse.
 void RunOutputs::remove_fields_after(std::size_t steps) const {
   std::error_code ignored;
-  for (std::size_t step = steps; std::filesystem::remove(folder_ / field_file(step), ignored); ++step) {}
+  for (std::size_t step = steps; std::filesystem::remove(folder_ / field_file(step), ignored); ++step) {
+  }
   for (std::size_t step = steps; std::filesystem::exists(folder_ / viewer_file(step, 0), ignored); ++step)
-    for (std::size_t part = 0; std::filesystem::remove(folder_ / viewer_file(step, part), ignored); ++part) {}
+    for (std::size_t part = 0; std::filesystem::remove(folder_ / viewer_file(step, part), ignored); ++part) {
+    }
 }
 
 void RunOutputs::add_fields() {

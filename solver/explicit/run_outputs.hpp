@@ -1,5 +1,5 @@
-// Files that a run leaves while it goes on. At any time, kill -9 included, each of them is whole: a file appears under a
-// temporary name and is renamed, fields come as new files, and the results file that lists them is replaced last.
+// Files that a run leaves while it goes on. At any time, kill -9 included, each of them is whole: a file appears under
+// a temporary name and is renamed, fields come as new files, and the results file that lists them is replaced last.
 #pragma once
 
 #include "format/model/results.hpp"

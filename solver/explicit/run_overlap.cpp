@@ -33,8 +33,8 @@ double winding(const TriangleMesh& mesh, const Point3& x) {
       length[c] = norm(r[c]);
     }
     const double top = dot(r[0], cross(r[1], r[2]));
-    const double bottom = length[0] * length[1] * length[2] + dot(r[0], r[1]) * length[2] + dot(r[1], r[2]) * length[0] +
-                          dot(r[2], r[0]) * length[1];
+    const double bottom = length[0] * length[1] * length[2] + dot(r[0], r[1]) * length[2] +
+                          dot(r[1], r[2]) * length[0] + dot(r[2], r[0]) * length[1];
     sum += 2 * std::atan2(top, bottom);
   }
   return sum / (4 * std::numbers::pi);
@@ -109,13 +109,14 @@ void refuse_deep_overlap(const ExplicitRun& run, const std::vector<ContactSurfac
     } else if (second.number != first.number) {
       const ContactSurface& other = surfaces[second.number];
       span = std::min(span, other.span_size);
-      found = deeper(deepest_inside(other.mesh, surface.mesh.vertices), deepest_inside(surface.mesh, other.mesh.vertices));
+      found =
+          deeper(deepest_inside(other.mesh, surface.mesh.vertices), deepest_inside(surface.mesh, other.mesh.vertices));
     }
     if (found.depth > deepest * span)
-      throw InputError(fmt::format("{}: contact '{}': the bodies overlap by {:.4g} at the start near ({:.6g}, {:.6g}, {:.6g}), "
-                                   "more than half a span ({:.4g}); move them apart",
-                                   contact.where, contact.pair.name, found.depth, found.place[0], found.place[1],
-                                   found.place[2], span));
+      throw InputError(fmt::format(
+          "{}: contact '{}': the bodies overlap by {:.4g} at the start near ({:.6g}, {:.6g}, {:.6g}), "
+          "more than half a span ({:.4g}); move them apart",
+          contact.where, contact.pair.name, found.depth, found.place[0], found.place[1], found.place[2], span));
   }
 }
 

@@ -16,8 +16,8 @@ constexpr int format_major = 1;
 
 // Calls visit(number) for each scalar of the state, always in the same order.
 template <class State, class Visit> void for_each_number(State& s, Visit&& visit) {
-  for (auto* x : {&s.time, &s.dt_last, &s.dt_next, &s.kinetic, &s.control.dt, &s.control.target, &s.control.least_before,
-                  &s.control.least})
+  for (auto* x : {&s.time, &s.dt_last, &s.dt_next, &s.kinetic, &s.control.dt, &s.control.target,
+                  &s.control.least_before, &s.control.least})
     visit(*x);
   visit(s.control.count);
   visit(s.steps);
@@ -65,14 +65,14 @@ std::vector<double> read_numbers(const io::H5Reader& file, const std::string& pa
 // Takes numbers off the front of a list.
 class Take {
  public:
-  Take(const io::H5Reader& file, std::string path) : file_(file), path_(std::move(path)), from_(read_numbers(file_, path_)) {}
+  Take(const io::H5Reader& file, std::string path)
+      : file_(file), path_(std::move(path)), from_(read_numbers(file_, path_)) {}
   template <class T> void operator()(T& to) {
     if (next_ >= from_.size()) file_.refuse(path_, "holds fewer numbers than expected");
     to = static_cast<T>(from_[next_++]);
   }
   void expect_end() const {
-    if (next_ != from_.size())
-      file_.refuse(path_, fmt::format("holds {} numbers, expected {}", from_.size(), next_));
+    if (next_ != from_.size()) file_.refuse(path_, fmt::format("holds {} numbers, expected {}", from_.size(), next_));
   }
 
  private:
@@ -179,20 +179,23 @@ RestartState read_restart(const std::filesystem::path& path) {
 std::vector<std::string> check_restart(const RestartState& restart, const std::vector<InputFile>& inputs,
                                        const std::filesystem::path& path, const std::string& version) {
   if (restart.version != version)
-    throw InputError(fmt::format("{}: was written by igasolve {}, this is {}; go on with the program that began the run, "
-                                 "or start anew without --restart",
-                                 path.string(), restart.version, version));
+    throw InputError(
+        fmt::format("{}: was written by igasolve {}, this is {}; go on with the program that began the run, "
+                    "or start anew without --restart",
+                    path.string(), restart.version, version));
   if (inputs.size() != restart.inputs.size())
-    throw InputError(fmt::format("{}: the run began with {} files, the run file names {} now; restart with the run file "
-                                 "that it began with",
-                                 path.string(), restart.inputs.size(), inputs.size()));
+    throw InputError(
+        fmt::format("{}: the run began with {} files, the run file names {} now; restart with the run file "
+                    "that it began with",
+                    path.string(), restart.inputs.size(), inputs.size()));
   std::vector<std::string> warnings;
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     if (inputs[i].sha256 == restart.inputs[i].sha256) continue;
     if (i > 0)
-      throw InputError(fmt::format("{}: changed since the run began (SHA-256 {}…, now {}…); put back the file that it began "
-                                   "with, or start anew without --restart",
-                                   inputs[i].name, restart.inputs[i].sha256.substr(0, 12), inputs[i].sha256.substr(0, 12)));
+      throw InputError(
+          fmt::format("{}: changed since the run began (SHA-256 {}…, now {}…); put back the file that it began "
+                      "with, or start anew without --restart",
+                      inputs[i].name, restart.inputs[i].sha256.substr(0, 12), inputs[i].sha256.substr(0, 12)));
     warnings.push_back(fmt::format("{} changed since the run began; the run goes on with the settings as they are now",
                                    inputs[i].name));
   }

@@ -9,13 +9,13 @@
 namespace iga::solve {
 
 struct RestartState {
-  std::string version;            ///< of the program: another one may add in another order
-  std::vector<InputFile> inputs;  ///< the run file first, then models, tools, curves; paths as given
-  std::vector<StartStep> limits;  ///< per body
+  std::string version;           ///< of the program: another one may add in another order
+  std::vector<InputFile> inputs; ///< the run file first, then models, tools, curves; paths as given
+  std::vector<StartStep> limits; ///< per body
   IntegratorState state;
-  std::vector<double> sums;       ///< of the time series
-  std::int64_t rows = 0;          ///< of the time series that were written
-  std::int64_t fields = 0;        ///< steps of fields likewise
+  std::vector<double> sums;                                    ///< of the time series
+  std::int64_t rows = 0;                                       ///< of the time series that were written
+  std::int64_t fields = 0;                                     ///< steps of fields likewise
   std::int64_t next_row = 0, next_field = 0, next_restart = 0; ///< numbers of the outputs to come
 };
 

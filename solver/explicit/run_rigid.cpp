@@ -26,8 +26,8 @@ ReadShape read_shape(io::SettingsTable& table, RigidRun& rigid) {
   const std::array<std::vector<std::string>, 5> own{
       {{"radius"}, {"normal"}, {"radius", "axis", "height"}, {"size"}, {"file", "scale", "density"}}};
   const auto radius = table.number("radius");
-  const auto normal = read_vector(table, "normal"), axis = read_vector(table, "axis"), size = read_vector(table, "size"),
-             centre = read_vector(table, "centre");
+  const auto normal = read_vector(table, "normal"), axis = read_vector(table, "axis"),
+             size = read_vector(table, "size"), centre = read_vector(table, "centre");
   const auto height = table.number("height"), scale = table.number("scale"), density = table.number("density");
   const auto file = table.path("file");
   const std::array<std::pair<const char*, bool>, 8> given{{{"radius", radius.has_value()},
@@ -120,7 +120,8 @@ FreeMotion read_free(io::SettingsTable& table, const ReadShape& read, const Poin
 // Keys that belong to another motion are refused rather than passed over.
 void refuse_keys(io::SettingsTable& table, const char* motion, std::initializer_list<const char*> keys) {
   for (const char* key : keys)
-    if (table.holds(key)) refuse(table, key, fmt::format("a {} body has none; leave it out or change its motion", motion));
+    if (table.holds(key))
+      refuse(table, key, fmt::format("a {} body has none; leave it out or change its motion", motion));
 }
 
 RigidRun read_rigid(io::SettingsTable& table, const Point3& gravity, ExplicitRun& run) {
@@ -136,9 +137,12 @@ RigidRun read_rigid(io::SettingsTable& table, const Point3& gravity, ExplicitRun
   const std::size_t motion =
       choose(table, "motion", table.text("motion").value_or(motions[drive.given() ? 1 : 0]), motions);
   for (const char* key : {"mass", "inertia", "velocity", "spin", "guided", "rotates"}) table.expect(key);
-  if (motion != 2) refuse_keys(table, motions[motion].c_str(), {"mass", "inertia", "velocity", "spin", "guided", "rotates", "density"});
+  if (motion != 2)
+    refuse_keys(table, motions[motion].c_str(),
+                {"mass", "inertia", "velocity", "spin", "guided", "rotates", "density"});
   if (motion != 1 && drive.given())
-    refuse(table, "drive", fmt::format("a {} body is not driven; leave it out or set motion = \"driven\"", motions[motion]));
+    refuse(table, "drive",
+           fmt::format("a {} body is not driven; leave it out or set motion = \"driven\"", motions[motion]));
   if (motion == 1) {
     if (!drive.given()) refuse(table, "drive", "missing; give [rigid_bodies.drive] with curves x, y, z or rotation");
     rigid.body.motion = PrescribedMotion{drive.along, drive.rotation, drive.axis, drive.are_velocities};

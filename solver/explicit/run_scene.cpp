@@ -52,8 +52,8 @@ void check_regions(const std::string& where, const ContactSide& side, const std:
                                    surfaces[side.number].body, name,
                                    near ? fmt::format(", did you mean '{}'?", *near) : "", fmt::join(known, ", ")));
     if (std::find(mesh.region.begin(), mesh.region.end(), found - known.begin()) == mesh.region.end())
-      throw InputError(fmt::format("{}: region '{}' of body '{}' holds no triangle", where, name,
-                                   surfaces[side.number].body));
+      throw InputError(
+          fmt::format("{}: region '{}' of body '{}' holds no triangle", where, name, surfaces[side.number].body));
   }
 }
 
@@ -79,8 +79,7 @@ void ExplicitScene::add_bodies() {
       return 0;
     });
     if (body.velocity != Point3{} || body.spin != Point3{})
-      bodies_.back()->set_rigid_velocity(body.velocity, body.spin,
-                                         body.centre ? *body.centre : centre_of_mass(model));
+      bodies_.back()->set_rigid_velocity(body.velocity, body.spin, body.centre ? *body.centre : centre_of_mass(model));
     for (const std::string& warning : bodies_.back()->space().warnings())
       warnings_.push_back(fmt::format("body '{}': {}", body.body.name, warning));
   }
@@ -138,9 +137,10 @@ void ExplicitScene::make_integrator() {
   const double stable = settings.safety * limits_[limiting].dt;
   if (run_.smallest_dt > 0) {
     if (stable < run_.smallest_dt)
-      throw InputError(fmt::format("{}: the first time step would be {:.4g} (body '{}'), below dt_min = {:g}; lower dt_min, "
-                                   "choose larger spans, or treat light functions",
-                                   run_.time_where, stable, run_.bodies[limiting].body.name, run_.smallest_dt));
+      throw InputError(
+          fmt::format("{}: the first time step would be {:.4g} (body '{}'), below dt_min = {:g}; lower dt_min, "
+                      "choose larger spans, or treat light functions",
+                      run_.time_where, stable, run_.bodies[limiting].body.name, run_.smallest_dt));
     settings.floor = run_.smallest_dt / stable;
   }
   std::vector<ExplicitBody*> bodies;

@@ -45,7 +45,8 @@ Eigen::SparseMatrix<double, Eigen::RowMajor> vertex_rows(const SolutionSpace& sp
 }
 
 double largest_log_strain(const Matrix3& F) {
-  const Eigen::Vector3d squares = Eigen::SelfAdjointEigenSolver<Matrix3>(F.transpose() * F, Eigen::EigenvaluesOnly).eigenvalues();
+  const Eigen::Vector3d squares =
+      Eigen::SelfAdjointEigenSolver<Matrix3>(F.transpose() * F, Eigen::EigenvaluesOnly).eigenvalues();
   double largest = 0;
   for (int d = 0; d < 3; ++d) {
     const double strain = 0.5 * std::log(std::max(squares[d], 1e-12)); // inverted points may lie flat
@@ -100,7 +101,8 @@ void FieldSampler::sample_points(std::vector<double>& stress, std::vector<double
   const PointHistory saved = body_->forces().save();
   const SpanPlan& plan = body_->forces().plan();
   const auto num_blocks = static_cast<std::size_t>(plan.num_point_blocks());
-  const std::size_t extra = num_blocks > 0 ? saved.extra.size() / (lanes * num_blocks) : 0; // its first number: 0 if taken out
+  const std::size_t extra =
+      num_blocks > 0 ? saved.extra.size() / (lanes * num_blocks) : 0; // its first number: 0 if taken out
   const auto history_size = static_cast<std::size_t>(law.history);
   const Point3 h = space_.model().grid.span_size();
   tbb::parallel_for(std::size_t{0}, num_blocks, [&](std::size_t b) {
@@ -163,7 +165,8 @@ std::vector<double> FieldSampler::carried(const std::vector<double>& at_points) 
   }
   // Functions without points (generalised rules skip spans) do not vote.
   const Eigen::VectorXd votes = (sums.col(1).array() > 0).cast<double>();
-  const Eigen::VectorXd values = (sums.col(1).array() > 0).select(sums.col(0).array() / sums.col(1).array().max(1e-300), 0);
+  const Eigen::VectorXd values =
+      (sums.col(1).array() > 0).select(sums.col(0).array() / sums.col(1).array().max(1e-300), 0);
   const Eigen::VectorXd top = rows_ * values, bottom = rows_ * votes;
   std::vector<double> at_vertices(static_cast<std::size_t>(rows_.rows()));
   for (Eigen::Index v = 0; v < rows_.rows(); ++v)

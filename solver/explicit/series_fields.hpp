@@ -2,8 +2,8 @@
 // points.
 #pragma once
 
-#include "solver/explicit/explicit_body.hpp"
 #include "format/model/results.hpp"
+#include "solver/explicit/explicit_body.hpp"
 
 namespace iga::solve {
 

@@ -157,12 +157,14 @@ void SeriesRecorder::resume(TimeSeries rows, std::size_t count, const std::vecto
     return paths;
   };
   if (shape(rows) != shape(series_) || sums.size() != impulses_.size())
-    throw InputError("the results file to go on with has other time series than this run; restart with the run file that "
-                     "it began with");
+    throw InputError(
+        "the results file to go on with has other time series than this run; restart with the run file that "
+        "it began with");
   if (rows.time.size() < count)
-    throw InputError(fmt::format("the results file to go on with has {} outputs, the restart file says {}; they belong to "
-                                 "different runs",
-                                 rows.time.size(), count));
+    throw InputError(
+        fmt::format("the results file to go on with has {} outputs, the restart file says {}; they belong to "
+                    "different runs",
+                    rows.time.size(), count));
   cut_series(rows, count);
   series_ = std::move(rows);
   impulses_ = sums;

@@ -30,7 +30,9 @@ TriangleMesh of_rings(const Point3& lower, const std::vector<std::vector<Point3>
   for (const auto& ring : rings) mesh.vertices.insert(mesh.vertices.end(), ring.begin(), ring.end());
   mesh.vertices.push_back(upper);
   const auto top = static_cast<std::int32_t>(mesh.vertices.size()) - 1;
-  const auto at = [](std::size_t ring, int k) { return static_cast<std::int32_t>(1 + static_cast<int>(ring) * around + k % around); };
+  const auto at = [](std::size_t ring, int k) {
+    return static_cast<std::int32_t>(1 + static_cast<int>(ring) * around + k % around);
+  };
   for (int k = 0; k < around; ++k) {
     mesh.triangles.push_back({0, at(0, k + 1), at(0, k)});
     for (std::size_t r = 0; r + 1 < rings.size(); ++r) {

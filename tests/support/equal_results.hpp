@@ -74,7 +74,8 @@ inline void expect_equal(const StaticResult& a, const StaticResult& b) {
 inline void expect_equal(const TimeSeries& a, const TimeSeries& b) {
   const auto all = [](const TimeSeries& t) {
     std::vector<std::pair<std::string, std::vector<double>>> series;
-    for_each_series(t, [&](const SeriesColumn& column, const auto& values) { series.emplace_back(column.path, values); });
+    for_each_series(t,
+                    [&](const SeriesColumn& column, const auto& values) { series.emplace_back(column.path, values); });
     return series;
   };
   const auto left = all(a), right = all(b);

@@ -275,7 +275,7 @@ class ExplicitRunTest(unittest.TestCase):
             (("point = [1.25, 2, 2]", "point = [9, 2, 2]"), r"bad.toml:\d+: .*push"),
             (("point = [3, 3, 1]", "point = [3, 3, 9]"), r"bad.toml:\d+: .*foot"),
             (("[3.2, 2.4, 3.65]", "[3.2, 2.4, 2.0]"), r"bad.toml:\d+: contact 'hit': the bodies overlap by"),
-            (("[3, 2.5, 0.5]", "[3, 2.5, 1.2]"), r"bad.toml:\d+: contact 'block-plate': the bodies overlap by"),
+            (("size = [8, 8, 1]\ncentre = [3, 2.5, 0.5]", "size = [8, 8, 3]\ncentre = [3, 2.5, 0.2]"), r"bad.toml:\d+: contact 'block-plate': the bodies overlap by"),
             (('friction = 0.3', 'friction = 0.3\nsecond_regions = ["top"]'), r"bad.toml:\d+: body 'block' has no region 'top'"),
             (("dt_max = 0.05", "dt_min = 5"), r"bad.toml:\d+: the first time step would be \S+ \(body 'block'\), below dt_min"),
             (("[output]", '[[stop]]\nquantity = "rigid/bal/velocity.z"\nabove = 0\n[output]'),
@@ -286,10 +286,11 @@ class ExplicitRunTest(unittest.TestCase):
                 text = run_text()
                 self.assertIn(change[0], text)
                 (self.path / "bad.toml").write_text(text.replace(*change))
-                (self.path / "unwritten.h5").unlink(missing_ok=True)
+                for left in ("unwritten.h5", "unwritten.pvd"):
+                    (self.path / left).unlink(missing_ok=True)
                 done = self.solve("bad.toml", "unwritten.h5", code=2)
                 self.assertRegex(done.stderr, words)
-                self.assertFalse((self.path / "unwritten.h5").exists())
+                self.assertEqual(list(self.path.glob("unwritten*")), [])
 
     def test_help_shows_a_run_file_that_works(self):
         done = subprocess.run([IGASOLVE, "explicit", "--help"], capture_output=True, text=True)
