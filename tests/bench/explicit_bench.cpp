@@ -5,7 +5,7 @@
 #include "tests/support/synthetic_model.hpp"
 
 #include <fmt/format.h>
-#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <chrono>
@@ -82,22 +82,33 @@ Law foam() {
 
 struct Rate {
   double by_cpu = 0, by_wall = 0; // points per second
+  double cores = 0;               // CPU time over wall time of the best run by the wall clock
 };
 
-Rate measure(InternalForces& forces, const std::vector<double>& u, std::size_t threads, double seconds) {
-  const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-  std::vector<double> f(u.size());
+Rate measure(InternalForces& forces, const std::vector<double>& u, int threads, double seconds) {
+  std::vector<double> f(u.size()), back(u);
+  for (double& x : back) x = -x;
   Rate best;
-  for (int repeat = 0; repeat < 5; ++repeat) {
-    const double cpu = cpu_seconds(), wall = wall_seconds();
-    double points = 0;
-    while (wall_seconds() - wall < seconds / 5) {
-      forces.evaluate(u.data(), 1e-3, f.data());
-      points += static_cast<double>(forces.plan().num_points);
+  // An arena of its own: a limit on all of TBB, once set to one thread, would keep later runs from getting more.
+  tbb::task_arena arena(threads);
+  arena.execute([&] {
+    for (int repeat = 0; repeat < 5; ++repeat) {
+      const double cpu = cpu_seconds(), wall = wall_seconds();
+      double points = 0;
+      while (wall_seconds() - wall < seconds / 5) {
+        // There and back, so that laws with history yield in every step.
+        forces.evaluate(u.data(), 1e-3, f.data());
+        forces.evaluate(back.data(), 1e-3, f.data());
+        points += 2 * static_cast<double>(forces.plan().num_points);
+      }
+      const double cpu_used = cpu_seconds() - cpu, wall_used = wall_seconds() - wall;
+      best.by_cpu = std::max(best.by_cpu, points / cpu_used);
+      if (points / wall_used > best.by_wall) {
+        best.by_wall = points / wall_used;
+        best.cores = cpu_used / wall_used;
+      }
     }
-    best.by_cpu = std::max(best.by_cpu, points / (cpu_seconds() - cpu));
-    best.by_wall = std::max(best.by_wall, points / (wall_seconds() - wall));
-  }
+  });
   return best;
 }
 
@@ -105,7 +116,7 @@ void run(std::int64_t n, double seconds) {
   const double peak = measure_peak();
   fmt::print("f64 peak of a core with this build: {:.0f} GFLOP/s\n", 1e-9 * peak);
   fmt::print("{:<9} {:>2} {:<12} {:>9} {:>10} {:>10} {:>12} {:>8} {:>11} {:>9}\n", "spans", "p", "law", "points",
-             "M points/s", "flop/point", "of peak", "B/point", "2 threads", "(wall)");
+             "M points/s", "flop/point", "of peak", "B/point", "2 threads", "cores");
   for (const bool trimmed : {false, true})
     for (const int p : {2, 3}) {
       const TrimmedModel model = make_model(trimmed, p, trimmed ? 3 * n : n);
@@ -119,15 +130,15 @@ void run(std::int64_t n, double seconds) {
         const auto points = static_cast<double>(forces->plan().num_points);
         const double flops = contraction_flops(forces->plan()) / points;
         const Rate one = measure(*forces, u, 1, seconds), two = measure(*forces, u, 2, seconds);
-        fmt::print("{:<9} {:>2} {:<12} {:>9.0f} {:>10.1f} {:>10.0f} {:>10.0f} % {:>8.0f} {:>9.2f} × {:>7.2f} ×\n",
+        fmt::print("{:<9} {:>2} {:<12} {:>9.0f} {:>10.1f} {:>10.0f} {:>10.0f} % {:>8.0f} {:>9.2f} × {:>6.2f}\n",
                    trimmed ? "trimmed" : "interior", p, name, points, 1e-6 * one.by_cpu, flops,
                    100 * flops * one.by_cpu / peak, static_cast<double>(forces->memory()) / points,
-                   2 * two.by_cpu / one.by_cpu, two.by_wall / one.by_wall);
+                   two.by_wall / one.by_wall, two.cores);
       }
     }
-  fmt::print("flop/point and the share of the peak leave the law's own operations out; two threads by CPU time, "
-             "waiting counted "
-             "(what an idle machine would gain), and by the wall clock\n");
+  fmt::print(
+      "flop/point and the share of the peak leave the law's own operations out; 2 threads: gain by the wall clock, "
+      "and the cores they got while it was measured (below 2 on a busy machine)\n");
 }
 
 } // namespace

@@ -66,9 +66,10 @@ sliver_tolerance = 1e-4
 min_fraction = 0.01
 [quadrature]
 interior = "gauss"
-trimmed = "nnls"
+trimmed = "minimal"
 moment_degree = "2p"
 tolerance = 1e-9
+rank_bound = true
 )");
   const Settings s = validate(read_settings_file(file));
   EXPECT_EQ(s.input, folder / "part.stl");
@@ -76,6 +77,8 @@ tolerance = 1e-9
   EXPECT_EQ(s.scale, 2);
   EXPECT_EQ(s.title, "A part");
   EXPECT_TRUE(s.surface.repair);
+  EXPECT_EQ(s.quadrature.trimmed_rule, "minimal");
+  EXPECT_TRUE(s.quadrature.rank_bound);
   EXPECT_EQ(s.surface.region_angle, 30);
   EXPECT_EQ(s.grid.spans, (std::vector<std::int64_t>{3, 4, 5}));
   EXPECT_EQ((*s.grid.box)[1], (Point3{1, 2, 3.5}));
@@ -155,7 +158,8 @@ TEST(Settings, ValuesOutOfRangeAreRefusedByName) {
   EXPECT_REFUSED("choose gauss, ggq", (t.interior = "simpson"));
   EXPECT_REFUSED("hourglass", (t.interior = "ggq-reduced2"));
   EXPECT_REFUSED("hourglass", (t.interior = "ggq-reduced2", t.degree = {{3, 2, 3}}));
-  EXPECT_REFUSED("the rule nnls", (t.trimmed = "minimal"));
+  EXPECT_REFUSED("choose nnls or minimal", (t.trimmed = "least"));
+  EXPECT_REFUSED("rank_bound", (t.trimmed = "nnls", t.rank_bound = true));
   EXPECT_REFUSED("belong to wrapping", (t.wrap_alpha = 1));
   EXPECT_REFUSED("region_angle = -3", (t.region_angle = -3));
   EXPECT_REFUSED("no surface file", (t.input.reset()));

@@ -19,16 +19,22 @@ class Bvh {
  public:
   Bvh() = default;
   explicit Bvh(std::span<const Box3> boxes);
-  /// New boxes of the same items. @param boxes as many as before
-  void refit(std::span<const Box3> boxes);
+  /// New boxes of the same items, and the items' directions (or none). @param boxes as many as before
+  void refit(std::span<const Box3> boxes, std::span<const Point3> directions = {});
 
   /// visit(item) for all items whose box overlaps the query.
   template <class Visit> void each_overlap(const Box3& query, Visit&& visit) const {
+    each_overlap(
+        query, [](const Box3&) { return false; }, visit);
+  }
+  /// Leaves out parts where pass_over(box) holds for a box that encloses the directions of all items of the part.
+  template <class PassOver, class Visit>
+  void each_overlap(const Box3& query, PassOver&& pass_over, Visit&& visit) const {
     if (nodes_.empty()) return;
     std::size_t node = 0;
     while (node < nodes_.size()) {
       const Node& n = nodes_[node];
-      if (!overlap(n.box, query)) {
+      if (!overlap(n.box, query) || pass_over(n.directions)) {
         node = n.skip;
         continue;
       }
@@ -40,7 +46,7 @@ class Bvh {
 
  private:
   struct Node {
-    Box3 box{};
+    Box3 box{}, directions{};
     std::size_t first = 0, last = 0; ///< items of a leaf; none for inner nodes
     std::size_t skip = 0;            ///< the node after this one's subtree
     std::size_t second = 0;          ///< second child of an inner node; the first one follows its parent

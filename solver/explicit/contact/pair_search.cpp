@@ -24,6 +24,30 @@ constexpr double neighbour_spans = 1.5;
 // … and with normals that agree this well.
 constexpr double neighbour_cosine = 0.5;
 
+// Faces within the skin are looked at for every vertex: of triangles much finer than spans that would be many.
+constexpr double skin_edges = 0.5;
+// A vertex whose faces look one way, by this cosine, …
+constexpr double smooth_patch = 0.97;
+// … has nothing to do with faces that look the same way, by this one.
+constexpr double same_way = 0.75;
+
+/// Edge of an equilateral triangle of the mean area.
+double typical_edge(const MovingSurface& s) {
+  double area = 0;
+  for (const double a : s.mesh().face_area) area += a;
+  return std::sqrt(4 / std::sqrt(3.0) * area /
+                   static_cast<double>(std::max<std::size_t>(s.mesh().face_area.size(), 1)));
+}
+
+std::vector<Point3> unit_normals(const MovingSurface& s) {
+  std::vector<Point3> normals(s.mesh().triangles.size());
+  for (std::size_t f = 0; f < normals.size(); ++f) {
+    normals[f] = s.normal_now(static_cast<std::int32_t>(f));
+    if (const double length = norm(normals[f]); length > 0) normals[f] = times(normals[f], 1 / length);
+  }
+  return normals;
+}
+
 SideMask make_mask(const MovingSurface& s, const std::vector<std::string>& regions, const std::string& pair) {
   SideMask mask;
   const auto& names = s.region_names();
@@ -135,6 +159,8 @@ PairSearch::PairSearch(ContactPair pair, const std::vector<MovingSurface>& surfa
     }
   }
   least_reference_distance_ = neighbour_spans * h;
+  skin_ = std::min(skin_, skin_edges * typical_edge(surfaces[first_]));
+  if (!surfaces[second_].is_rigid()) skin_ = std::min(skin_, skin_edges * typical_edge(surfaces[second_]));
   if (pair_.edges) edges_.push_back({first_, second_, {}});
 }
 
@@ -222,14 +248,23 @@ void PairSearch::look_at_faces(VertexFaceCandidates& pass, std::size_t number,
   const SideMask &vertices = mask(pass.slave), &faces = mask(pass.master);
   std::vector<Box3> boxes(master.mesh().triangles.size());
   for (std::size_t f = 0; f < boxes.size(); ++f) boxes[f] = box_of(master, master.mesh().triangles[f]);
-  if (first_look_)
-    pass.tree = Bvh(boxes);
-  else
-    pass.tree.refit(boxes);
+  const std::vector<Point3> normals = self_ ? unit_normals(master) : std::vector<Point3>{};
+  if (first_look_) pass.tree = Bvh(boxes);
+  pass.tree.refit(boxes, normals);
   // A face that a vertex enters was within the skin of it; what lies next to the entered one within twice that.
   double first_reach = 0;
   if (first_look_ && !self_)
     for (const double thickness : master.mesh().thickness) first_reach = std::max(first_reach, 0.5 * thickness);
+  // On a smooth patch one direction stands for all faces of a vertex.
+  const auto smooth_direction = [&](std::int32_t v) {
+    Point3 sum{};
+    for (const std::int32_t own : slave.mesh().faces_of(v)) sum = plus(sum, normals[at(own)]);
+    const double length = norm(sum);
+    if (!(length > 0)) return Point3{};
+    for (const std::int32_t own : slave.mesh().faces_of(v))
+      if (dot(normals[at(own)], sum) < smooth_patch * length) return Point3{};
+    return times(sum, 1 / length);
+  };
   std::vector<std::vector<std::int32_t>> found(slave.mesh().vertices.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, found.size(), 64), [&](const auto& range) {
     for (std::size_t i = range.begin(); i != range.end(); ++i) {
@@ -237,12 +272,24 @@ void PairSearch::look_at_faces(VertexFaceCandidates& pass, std::size_t number,
       const auto v = static_cast<std::int32_t>(i);
       const Point3& x = slave.x(v);
       const double reach = 2 * skin_ + std::max(first_reach, depth_of(number, v));
-      pass.tree.each_overlap(grown({x, x}, reach), [&](std::int32_t f) {
-        if (!faces.face[at(f)] || (self_ && are_neighbours(master.mesh(), v, f))) return;
+      const Point3 way = self_ ? smooth_direction(v) : Point3{};
+      const auto same_ways = [&](const Box3& directions) {
+        double least = 0;
+        for (std::size_t d = 0; d < 3; ++d)
+          least += std::min(way[d] * directions.lower[d], way[d] * directions.upper[d]);
+        return least > same_way; // never without a direction: that is zero
+      };
+      const auto consider = [&](std::int32_t f) {
+        if (!faces.face[at(f)]) return;
+        if (self_ && (dot(way, normals[at(f)]) > same_way || are_neighbours(master.mesh(), v, f))) return;
         const Triangle& t = master.mesh().triangles[at(f)];
         if (closest_on_triangle(x, master.x(t[0]), master.x(t[1]), master.x(t[2])).distance2 <= reach * reach)
           found[i].push_back(f);
-      });
+      };
+      if (self_)
+        pass.tree.each_overlap(grown({x, x}, reach), same_ways, consider);
+      else
+        pass.tree.each_overlap(grown({x, x}, reach), consider);
       std::sort(found[i].begin(), found[i].end());
     }
   });

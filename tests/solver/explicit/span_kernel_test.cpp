@@ -171,6 +171,63 @@ TEST_P(SpanKernels, AnyNumberOfThreadsGivesTheSameBits) {
   }
 }
 
+// Rules over runs of spans: each interior span owns 0 … 3 points per direction, at places that depend on its position.
+TEST_P(SpanKernels, SpansMayOwnAnyTensorProductOfPoints) {
+  TrimmedModel model = test::make_box_model(a_box(GetParam()));
+  IntegrationPoints points;
+  points.offsets = {0};
+  for (std::size_t a = 0; a < model.active.size(); ++a) {
+    const auto parameters = span_parameters(model, static_cast<std::int64_t>(a));
+    const auto weights = span_weights(model, static_cast<std::int64_t>(a));
+    if (model.state[static_cast<std::size_t>(model.active[a])] == static_cast<std::uint8_t>(SpanState::Interior)) {
+      const Index3 ijk = model.grid.span_index(model.active[a]);
+      const Box3 box = model.grid.span_box(ijk);
+      const auto count = [&](std::size_t d) {
+        return (ijk[d] + (d == 0 ? 0 : 1)) % (d == 0 ? 4 : 3) + (d == 0 ? 0 : 1);
+      };
+      const auto place = [&](std::size_t d, std::int64_t q) {
+        const double t = (static_cast<double>(q) + 0.3) / static_cast<double>(count(d));
+        return box.lower[d] + t * (box.upper[d] - box.lower[d]);
+      };
+      for (std::int64_t k = 0; k < count(2); ++k)
+        for (std::int64_t j = 0; j < count(1); ++j)
+          for (std::int64_t i = 0; i < count(0); ++i) {
+            points.parameters.insert(points.parameters.end(), {place(0, i), place(1, j), place(2, k)});
+            points.weights.push_back(model.grid.span_volume() / static_cast<double>(1 + i + 2 * j + 3 * k));
+          }
+    } else {
+      points.parameters.insert(points.parameters.end(), parameters.begin(), parameters.end());
+      points.weights.insert(points.weights.end(), weights.begin(), weights.end());
+    }
+    points.offsets.push_back(static_cast<std::int64_t>(points.weights.size()));
+  }
+  model.points = std::move(points);
+  const SolutionSpace space(model, {LightFunctions::Remove, 0.01});
+  const ElasticMaterial material = isotropic(young, poisson, density);
+  const auto K = assemble_stiffness(space, std::make_shared<const Connectivity>(space), material);
+  const auto kernel = make_internal_forces(space, LinearElastic(material));
+  const VectorXd u = some_vector(space.num_unknowns(), 1), expected = K * u;
+  EXPECT_LT((gather(space, forces_of(*kernel, space.expand(u))) - expected).norm(), 1e-13 * expected.norm());
+  EXPECT_GT(kernel->plan().num_group_points, 0);
+  EXPECT_EQ(kernel->plan().num_points, static_cast<std::int64_t>(model.points.weights.size()));
+}
+
+TEST_P(SpanKernels, FictitiousMaterialOfThinPartsIsCounted) {
+  const auto p = GetParam();
+  const TrimmedModel model = test::make_box_model(
+      {{0, 0, 0}, {14, 14, 14}, {14, 14, 14}, p, identity_rotation, {4, 4, 6.45}, {8, 8, 6.45 + 1e-10}});
+  const SolutionSpace space(model, {LightFunctions::Linear, 0.05});
+  double share = 0;
+  for (std::int64_t a = 0; a < space.num_spans(); ++a) share = std::max(share, space.fictitious_share(a));
+  const ElasticMaterial material = isotropic(young, poisson, density);
+  const auto K = assemble_stiffness(space, std::make_shared<const Connectivity>(space), material);
+  const auto kernel = make_internal_forces(space, LinearElastic(material));
+  const VectorXd u = some_vector(space.num_unknowns(), 1), expected = K * u;
+  EXPECT_LT((gather(space, forces_of(*kernel, space.expand(u))) - expected).norm(), 1e-13 * expected.norm());
+  EXPECT_GT(kernel->plan().num_points, static_cast<std::int64_t>(model.points.weights.size()));
+  EXPECT_GT(share, 0);
+}
+
 INSTANTIATE_TEST_SUITE_P(Degrees, SpanKernels,
                          ::testing::Values(std::array{1, 1, 1}, std::array{2, 2, 2}, std::array{3, 3, 3},
                                            std::array{4, 4, 4}, std::array{1, 3, 2}));
