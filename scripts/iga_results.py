@@ -4,8 +4,11 @@
 As a command:  scripts/iga_results.py modes.h5 [--json]   validates the file and prints what it says
 As a module:   results = iga_results.read("modes.h5");  results["/frequencies"], results.elastic()
                results.field(model, coefficients, spans, parameters) with model = iga_model.read("part.h5")
+               series = results.series("contact/plate")   the time series below that name
+               step = results.fields(3);  step["cube/displacement"], step.mesh["cube/vertices"]   explicit runs
 """
 import sys
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -14,14 +17,34 @@ import iga_schema
 from iga_schema import FormatError, text_of
 
 SCHEMA = iga_schema.load("results")
+FIELDS = iga_schema.load("fields")
 KINDS = {number: name for name, number in SCHEMA["enum"]["kind"].items()}
 PARTS = {"eigen": "/eigen", "static": "/static", "explicit": "/time_series"}
+
+
+class Fields:
+    """Fields of an explicit run at one time, by "<body>/<name>": displacement (vertices, 3), von_mises, strain (vertices),
+    coefficients (functions, 3), point_stress (points, 6) where it was asked for; `mesh` has vertices, triangles, …"""
+
+    def __init__(self, path, mesh=None):
+        with h5py.File(path, "r") as file:
+            iga_schema.validate(file, FIELDS)
+            self.time = float(file.attrs["time"]) if "time" in file.attrs else None
+            self.data = {f"{name}/{key}": item[()] for name, group in file["bodies"].items() for key, item in group.items()}
+        self.mesh = mesh
+
+    def __getitem__(self, name):
+        return self.data[name]
+
+    def __contains__(self, name):
+        return name in self.data
 
 
 class Results:
     """A file's arrays under the names of their datasets: results["/frequencies"]; attributes by results.attribute()."""
 
     def __init__(self, path):
+        self.path = Path(path)
         with h5py.File(path, "r") as file:
             self.symbols = iga_schema.validate(file, SCHEMA)
             self.analysis = text_of(file.attrs["analysis"])
@@ -31,9 +54,13 @@ class Results:
             self.attributes = {"/": dict(file.attrs)}
             self.data = {}
             file.visititems(self._keep)
-        for name in self.texts("/time_series/contact_names") if "/time_series" in self else []:
-            if f"/time_series/contact/{name}" not in self:
-                raise FormatError(f"/time_series/contact/{name}: is missing; expected a group")
+        for names, group in (("/time_series/contact_names", "/time_series/contact"), ("/body_names", "/bodies"),
+                             ("/time_series/body_names", "/time_series/body"),
+                             ("/time_series/rigid_names", "/time_series/rigid"),
+                             ("/time_series/support_names", "/time_series/support")):
+            for name in self.texts(names) if group in self else []:
+                if f"{group}/{name}" not in self:
+                    raise FormatError(f"{group}/{name}: is missing; expected a group")
 
     def _keep(self, name, item):
         if isinstance(item, h5py.Dataset):
@@ -61,6 +88,20 @@ class Results:
 
     def texts(self, path):
         return [text_of(value) for value in self[path]]
+
+    def series(self, below):
+        """Time series below /time_series/<below>, by name: series("rigid/sphere")["velocity"]."""
+        start = f"/time_series/{below}/"
+        return {path[len(start):]: values for path, values in self.data.items() if path.startswith(start)}
+
+    def num_fields(self):
+        return len(self["/fields/time"]) if "/fields/time" in self else 0
+
+    def fields(self, step):
+        """Fields of an explicit run at a step (from 0; -1 is the last one)."""
+        folder = self.path.parent
+        mesh = Fields(folder / self.attribute("/fields", "bodies_file"))
+        return Fields(folder / self.texts("/fields/file")[step], mesh)
 
     def field(self, model, coefficients, spans, parameters):
         """u = sum N_i c_i at parameters (n, 3) of given spans (n, 3): coefficients (n_f, 3) of this file, the functions
@@ -90,6 +131,11 @@ def summary(results):
         report["loads"] = dict(zip(results.texts("/static/loads/name"), results["/static/loads/force"].tolist()))
     if "/time_series" in results:
         report["times"] = results["/time_series/time"].tolist()
+        for name in results.texts("/time_series/contact_names"):
+            force = np.linalg.norm(results[f"/time_series/contact/{name}/force"], axis=1)
+            report.setdefault("peak_forces", {})[name] = float(force.max(initial=0))
+    if results.num_fields():
+        report["fields"] = results.num_fields()
     if "/surface" in results:
         report["surface"] = {"vertices": results.symbols["n_vertices"], "steps": results.symbols["n_steps"]}
     return report

@@ -97,7 +97,10 @@ def _expanded(entry, key, file):
         return [entry]
     group = file.get(before.rstrip("/"))
     names = group.keys() if isinstance(group, h5py.Group) else []
-    return [{**entry, key: before + name + after} for name in names if isinstance(group[name], h5py.Group)]
+    # In a shape <name> stands for the number: sizes may differ from group to group.
+    return [{**entry, key: before + name + after,
+             **({"shape": [extent.replace("<name>", f"_{number}") for extent in entry["shape"]]} if "shape" in entry else {})}
+            for number, name in enumerate(names) if isinstance(group[name], h5py.Group)]
 
 
 def entries(schema, file):

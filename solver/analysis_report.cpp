@@ -12,15 +12,11 @@
 
 namespace iga::solve {
 
-namespace {
-
 double peak_memory_mib() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<double>(usage.ru_maxrss) / 1024;
 }
-
-} // namespace
 
 void add_model(TextReport& report, const AnalysisRun& run, const SolutionSpace& space) {
   const TrimmedModel& m = run.model;

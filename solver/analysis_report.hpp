@@ -36,6 +36,9 @@ class TextReport {
   fmt::memory_buffer buffer_;
 };
 
+/// Of this process so far, MiB.
+double peak_memory_mib();
+
 /// Model, spans, points, unknowns, light functions.
 void add_model(TextReport& report, const AnalysisRun& run, const SolutionSpace& space);
 void add_model(io::JsonObject& report, const AnalysisRun& run, const SolutionSpace& space);

@@ -1,5 +1,7 @@
-// igasolve check: every problem of a model file, in full.
+// igasolve check: every problem of a model file in full, the first one of a results file.
+#include "format/io/h5_file.hpp"
 #include "format/io/json_text.hpp"
+#include "format/io/results_io.hpp"
 #include "format/io/trimmed_model_io.hpp"
 #include "format/model/errors.hpp"
 #include "solver/commands.hpp"
@@ -9,16 +11,33 @@
 
 namespace iga::solve {
 
+namespace {
+
+bool holds_results(const std::filesystem::path& file) {
+  const io::H5Reader reader(file);
+  return reader.has_attribute("/", "format") && reader.text("/", "format") == "iga-trimmed-solid-results";
+}
+
+void check_model(const std::filesystem::path& file, std::vector<std::string>& problems,
+                 std::vector<std::string>& notes) {
+  const TrimmedModel model = io::load_model(file);
+  problems = check(model);
+  if (model.surface.accepted_leak > 0)
+    notes.push_back(
+        fmt::format("the surface leaks (accepted: {:.3g} span volumes); its areas and its closedness were not "
+                    "checked",
+                    model.surface.accepted_leak));
+}
+
+} // namespace
+
 int run_check(const ModelCommand& command) {
   std::vector<std::string> problems, notes;
   try {
-    const TrimmedModel model = io::load_model(command.model);
-    problems = check(model);
-    if (model.surface.accepted_leak > 0)
-      notes.push_back(
-          fmt::format("the surface leaks (accepted: {:.3g} span volumes); its areas and its closedness were not "
-                      "checked",
-                      model.surface.accepted_leak));
+    if (holds_results(command.model))
+      io::read_results(command.model); // refuses what is wrong
+    else
+      check_model(command.model, problems, notes);
   } catch (const FormatError& error) {
     problems.push_back(error.what());
   }

@@ -17,15 +17,45 @@ const char* const footer = R"(Examples:
   igasolve eigen part.h5 --E 210 --nu 0.3 --rho 7.8e-6 --largest --mass lumped
   igasolve timestep part.h5 --E 210 --nu 0.3 --rho 7.8e-6
   igasolve static run.toml -o static.h5
+  igasolve explicit impact.toml -o impact.h5             impact and crush; igasolve explicit --help shows a run file
 
 Exit codes: 0 done, 1 fault of the program, 2 input, usage or file access, 3 a file breaks the schema, 4 a method did not
-reach its tolerance, 130 and 143 interrupted (no file is changed).)";
+reach its tolerance or a run blew up, 130 and 143 interrupted (no file is changed; explicit runs leave their results so
+far and a restart file).)";
 
 const char* const analysis_footer =
     R"(Any consistent set of units: E in force/length², rho in mass/length³, frequencies in cycles per time. The run file
 (.toml) holds the flags' names with underscores: model, output, units, mass, light_functions, light_threshold;
 [material] E, nu, rho or C; [eigen] modes, largest, sturm; [results] subdivide, viewer; [[support]], [[load]], [[probe]].
 Paths in it are relative to its folder; flags override it.)";
+
+const char* const explicit_footer =
+    R"(Example of a run file (kg, mm, ms); all keys: solver/explicit/README.md. Paths are relative to its folder.
+  gravity = [0, 0, -9.81e-3]
+  [[bodies]]
+  name = "cube"
+  model = "cube.h5"                        # made by igaprep
+  material = { law = "neo-hookean", E = 0.05, nu = 0.3, rho = 6e-8 }
+  [[rigid_bodies]]
+  name = "sphere"
+  shape = "sphere"                         # plane, cylinder, box, stl
+  radius = 35
+  centre = [50, 50, 136]
+  motion = "free"                          # fixed, or driven by [rigid_bodies.drive]
+  mass = 1
+  inertia = 490
+  velocity = [0, 0, -8]
+  [[contacts]]
+  bodies = ["cube", "sphere"]              # or self = "cube"
+  friction = 0.2
+  [time]
+  end = 8
+  [output]
+  interval = 0.01                          # of the time series
+  field_interval = 0.2                     # of the fields, also for ParaView
+
+Results: out.h5 (time series), out_fields/ and, for ParaView, out.pvd. Ctrl-C and SIGTERM leave valid results and
+out_restart.h5: the same command with --restart goes on bit for bit.)";
 
 struct Raw {
   std::string file;
@@ -87,6 +117,20 @@ void add_results(CLI::App& sub, TypedRun& t) {
       ->group(results);
 }
 
+CLI::App* add_explicit(CLI::App& app, Raw& raw, ExplicitCommand& c) {
+  CLI::App* sub = app.add_subcommand("explicit", "Impact, crush, waves: explicit dynamics with contact");
+  sub->add_option("run", raw.file, "Run file (.toml)")->type_name("FILE")->required();
+  sub->add_option("-o,--output", c.output, "Results file (.h5)")->type_name("FILE");
+  const std::string running = "Running";
+  sub->add_flag("--restart", c.restart, "Go on with the restart file beside the results file")->group(running);
+  sub->add_option("--threads", c.threads, "Number of threads [all]")->check(CLI::Range(1, 4096))->group(running);
+  sub->add_flag("--force", c.force, "Replace existing results")->group(running);
+  sub->add_flag("--quiet", raw.quiet, "Print errors only")->group(running);
+  sub->add_flag("--json", raw.json, "Report as one JSON object on stdout")->group(running);
+  sub->footer(explicit_footer);
+  return sub;
+}
+
 // The file is a run file or the model itself.
 void settle_file(const Raw& raw, AnalysisCommand& c) {
   const TypedRun flags = c.typed;
@@ -105,7 +149,7 @@ void settle_file(const Raw& raw, AnalysisCommand& c) {
 } // namespace
 
 std::optional<Command> parse_command_line(int argc, const char* const* argv) {
-  CLI::App app("Analyses of trimmed solids made by igaprep: eigenmodes, statics, time steps.", "igasolve");
+  CLI::App app("Analyses of trimmed solids made by igaprep: eigenmodes, statics, time steps, impact.", "igasolve");
   Raw raw;
   AnalysisCommand analysis;
   app.set_version_flag("--version", "igasolve " IGA_VERSION);
@@ -126,6 +170,8 @@ std::optional<Command> parse_command_line(int argc, const char* const* argv) {
   add_mass(*timestep, analysis.typed, "lumped");
   CLI::App* statics = add_analysis(app, "static", "Displacements and stresses under loads and supports", raw, analysis);
   add_results(*statics, analysis.typed);
+  ExplicitCommand dynamics;
+  CLI::App* explicit_app = add_explicit(app, raw, dynamics);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& answered) {
@@ -139,6 +185,12 @@ std::optional<Command> parse_command_line(int argc, const char* const* argv) {
   const ReportStyle style = raw.json ? ReportStyle::Json : raw.quiet ? ReportStyle::Quiet : ReportStyle::Text;
   if (*info) return InfoCommand{{raw.file, style}};
   if (*check) return CheckCommand{{raw.file, style}};
+  if (*explicit_app) {
+    dynamics.style = style;
+    dynamics.run_file = raw.file;
+    dynamics.text = io::command_text("igasolve", argc, argv);
+    return dynamics;
+  }
   analysis.style = style;
   analysis.analysis = *eigen ? Analysis::Eigen : *timestep ? Analysis::Timestep : Analysis::Static;
   (void)statics;

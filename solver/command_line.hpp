@@ -2,6 +2,7 @@
 #pragma once
 
 #include "solver/commands.hpp"
+#include "solver/explicit/explicit_command.hpp"
 #include "solver/run_settings.hpp"
 
 #include <optional>
@@ -22,7 +23,7 @@ struct AnalysisCommand {
 
 struct InfoCommand : ModelCommand {};
 struct CheckCommand : ModelCommand {};
-using Command = std::variant<InfoCommand, CheckCommand, AnalysisCommand>;
+using Command = std::variant<InfoCommand, CheckCommand, AnalysisCommand, ExplicitCommand>;
 
 /// @returns nothing where --help or --version has been answered
 /// @throws InputError for a usage error or a run file that cannot be read

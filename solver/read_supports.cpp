@@ -136,9 +136,7 @@ void read_fixed(io::SettingsTable& table, Support& support) {
 Support read_support(io::SettingsTable& table, std::size_t number) {
   Support support;
   support.name = name_or(table, "support", number);
-  const ReadRegion region = read_region(table);
-  if (!region.given) refuse(table, "region", fmt::format("missing; {}", how_to_choose));
-  support.region = region.choice;
+  support.region = need_region(table);
   read_fixed(table, support);
   support.frame = read_frame(table);
   if (support.along_normal) {
@@ -169,6 +167,14 @@ Support read_support(io::SettingsTable& table, std::size_t number) {
     support.penalty_factor = *factor;
   }
   return support;
+}
+
+} // namespace
+
+RegionChoice need_region(io::SettingsTable& table) {
+  const ReadRegion region = read_region(table);
+  if (!region.given) refuse(table, "region", fmt::format("missing; {}", how_to_choose));
+  return region.choice;
 }
 
 Load read_load(io::SettingsTable& table, std::size_t number) {
@@ -214,8 +220,6 @@ Load read_load(io::SettingsTable& table, std::size_t number) {
     refuse(table, "region", "this load acts on no surface; leave the choice of surface out");
   return load;
 }
-
-} // namespace
 
 std::vector<Support> read_supports(io::SettingsTable& root) {
   std::vector<Support> supports;

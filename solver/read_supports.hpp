@@ -19,4 +19,9 @@ struct StaticSettings {
 std::vector<Support> read_supports(io::SettingsTable& root);
 StaticSettings read_static_settings(io::SettingsTable& root);
 
+/// One [[load]], `number` counted from 1 for its name where it has none.
+Load read_load(io::SettingsTable& table, std::size_t number);
+/// The keys that choose surface. @throws InputError where there are none
+RegionChoice need_region(io::SettingsTable& table);
+
 } // namespace iga::solve

@@ -31,6 +31,7 @@ void Progress::start(const std::string& stage) {
   const std::lock_guard lock(mutex_);
   stage_ = stage;
   begin_ = last_ = Clock::now();
+  noted_ = false;
   if (style_ == ProgressStyle::Lines) fmt::print(stderr, "{} …\n", stage_);
   if (style_ == ProgressStyle::Bar) fmt::print(stderr, "\r\033[K{} …", stage_);
   std::fflush(stderr);
@@ -43,18 +44,31 @@ void Progress::update(std::int64_t done, std::int64_t total) {
   const double interval = style_ == ProgressStyle::Bar ? bar_interval : line_interval;
   if (stage_.empty() || std::chrono::duration<double>(now - last_).count() < interval) return;
   last_ = now;
-  show(done, total, std::chrono::duration<double>(now - begin_).count());
+  show(done, total, std::chrono::duration<double>(now - begin_).count(), {});
 }
 
-void Progress::show(std::int64_t done, std::int64_t total, double elapsed) {
+void Progress::update(std::int64_t done, std::int64_t total, const std::function<std::string()>& note, bool at_once) {
+  if (style_ == ProgressStyle::None || total <= 0) return;
+  const std::lock_guard lock(mutex_);
+  const auto now = Clock::now();
+  const double interval = style_ == ProgressStyle::Bar ? bar_interval : line_interval;
+  if (stage_.empty()) return;
+  if (noted_ && !at_once && std::chrono::duration<double>(now - last_).count() < interval) return;
+  last_ = now;
+  noted_ = true;
+  show(done, total, std::chrono::duration<double>(now - begin_).count(), note());
+}
+
+void Progress::show(std::int64_t done, std::int64_t total, double elapsed, const std::string& note) {
   const double share = static_cast<double>(done) / static_cast<double>(total);
   const std::string left = done > 0 ? ", " + time_left(elapsed * (1 - share) / share) : "";
+  const std::string text = note.empty() ? "" : "; " + note;
   if (style_ == ProgressStyle::Bar) {
     const std::int64_t filled = bar_width * done / total;
-    fmt::print(stderr, "\r\033[K{} [{:#<{}}{:.<{}}] {:3.0f} %{}", stage_, "", filled, "", bar_width - filled,
-               100 * share, left);
+    fmt::print(stderr, "\r\033[K{} [{:#<{}}{:.<{}}] {:3.0f} %{}{}", stage_, "", filled, "", bar_width - filled,
+               100 * share, left, text);
   } else {
-    fmt::print(stderr, "{}: {:.0f} %{}\n", stage_, 100 * share, left);
+    fmt::print(stderr, "{}: {:.0f} %{}{}\n", stage_, 100 * share, left, text);
   }
   std::fflush(stderr);
 }

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <mutex>
 #include <string>
 
@@ -24,17 +25,21 @@ class Progress {
   void start(const std::string& stage);
   /// Share of the running stage that is done; may be called from any thread.
   void update(std::int64_t done, std::int64_t total);
+  /// The same with a text behind it, which is asked for only where it will be shown; the first one of a stage is shown
+  /// at once, and so is one with `now`.
+  void update(std::int64_t done, std::int64_t total, const std::function<std::string()>& note, bool now = false);
   /// Ends the running stage: a bar is wiped out.
   void finish();
 
  private:
   using Clock = std::chrono::steady_clock;
-  void show(std::int64_t done, std::int64_t total, double elapsed);
+  void show(std::int64_t done, std::int64_t total, double elapsed, const std::string& note);
 
   ProgressStyle style_;
   std::mutex mutex_;
   std::string stage_;
   Clock::time_point begin_, last_;
+  bool noted_ = false; ///< a text was shown in this stage
 };
 
 } // namespace iga::io

@@ -10,7 +10,7 @@
 namespace iga::io::result_names {
 
 constexpr const char* format = "iga-trimmed-solid-results";
-constexpr const char* format_version = "1.0";
+constexpr const char* format_version = "1.1";
 constexpr int format_major = 1;
 
 constexpr std::array<EnumName, 3> kinds{{{"RIGID", 0}, {"ELASTIC", 1}, {"MECHANISM", 2}}};
@@ -26,8 +26,8 @@ constexpr const char* supports = "/static/supports";
 constexpr const char* loads = "/static/loads";
 constexpr const char* time_series = "/time_series";
 constexpr const char* energy = "/time_series/energy";
-constexpr const char* contact = "/time_series/contact";
 constexpr const char* surface = "/surface";
+constexpr const char* fields = "/fields";
 
 constexpr DatasetText active_functions{"/functions/active", "1",
                                        "ascending; number = i + n_u (j + n_v k) of function (i, j, k)",
@@ -75,9 +75,40 @@ constexpr DatasetText load_moments{"/static/loads/moment", "force*length", "(loa
                                    "its moment about that centroid"};
 
 constexpr DatasetText time{"/time_series/time", "time", "ascending", "times of the series"};
-constexpr const char* energy_order = "(time)"; ///< /time_series/energy/<name>, force*length
-constexpr DatasetText contact_names{"/time_series/contact_names", "1", "(contact)",
-                                    "names of the contacts, each a group of /time_series/contact"};
+
+/// Groups of named things: <path>/<name>, and the list of the names in their order. The series in them are listed in
+/// format/model/time_series.hpp.
+struct NamedGroup {
+  const char *path, *description, *one;
+  DatasetText names;
+};
+constexpr NamedGroup contact_series{
+    "/time_series/contact",
+    "forces of each contact",
+    "one contact",
+    {"/time_series/contact_names", "1", "(contact)", "names of the contacts, each a group of /time_series/contact"}};
+constexpr NamedGroup body_series{
+    "/time_series/body",
+    "deformable bodies",
+    "one body",
+    {"/time_series/body_names", "1", "(body)", "names of the bodies, each a group of /time_series/body"}};
+constexpr NamedGroup rigid_series{
+    "/time_series/rigid",
+    "rigid bodies",
+    "one rigid body",
+    {"/time_series/rigid_names", "1", "(rigid body)", "names of the rigid bodies, each a group of /time_series/rigid"}};
+constexpr NamedGroup support_series{
+    "/time_series/support",
+    "driven and fixed regions",
+    "one support",
+    {"/time_series/support_names", "1", "(support)", "names of the supports, each a group of /time_series/support"}};
+constexpr NamedGroup body_heads{"/bodies",
+                                "deformable bodies and their models",
+                                "one body",
+                                {"/body_names", "1", "(body)", "names of the bodies, each a group of /bodies"}};
+constexpr DatasetText field_times{"/fields/time", "time", "ascending", "times of the fields"};
+constexpr DatasetText field_files{"/fields/file", "1", "(step)",
+                                  "file that holds the fields of each step, relative to this file's folder"};
 
 constexpr DatasetText vertices{"/surface/vertices", "length", "(vertex; x y z)",
                                "vertices of the undeformed surface, subdivided to show the fields"};

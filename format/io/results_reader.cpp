@@ -5,6 +5,7 @@
 #include "format/io/results_io.hpp"
 
 #include "format/model/errors.hpp"
+#include "format/model/time_series.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -152,22 +153,60 @@ StaticResult read_static(const H5Reader& file, std::int64_t num_functions) {
   return s;
 }
 
+// Things by the list of their names; none where the group is absent.
+template <class Thing>
+void read_named(const H5Reader& file, const result::NamedGroup& group, std::vector<Thing>& things) {
+  if (!file.has(group.path)) return;
+  for (std::string& name : file.strings(group.names.path)) {
+    const std::string path = fmt::format("{}/{}", group.path, name);
+    if (!file.has(path)) file.refuse(path, "is missing; expected a group");
+    things.emplace_back();
+    things.back().name = std::move(name);
+  }
+}
+
 TimeSeries read_time_series(const H5Reader& file) {
   TimeSeries t;
   const std::int64_t n = rows_of(file, result::time);
-  t.time = finite(file, result::time, {n});
-  expect_ascending(file, result::time, t.time);
-  for (const char* group : {result::energy, result::contact})
+  for (const char* group : {result::energy, result::contact_series.path})
     if (!file.has(group)) file.refuse(group, "is missing; expected a group");
-  for (std::size_t i = 0; i < t.energy.size(); ++i) {
-    const std::string path = fmt::format("{}/{}", result::energy, TimeSeries::energy_names[i]);
-    if (file.has(path)) t.energy[i] = finite(file, {path.c_str(), "", "", ""}, {n});
-  }
-  for (const std::string& name : file.strings(result::contact_names.path)) {
-    const std::string path = fmt::format("{}/{}/force", result::contact, name);
-    t.contacts.push_back({name, finite(file, {path.c_str(), "", "", ""}, {n, 3})});
-  }
+  read_named(file, result::contact_series, t.contacts);
+  read_named(file, result::body_series, t.bodies);
+  read_named(file, result::rigid_series, t.rigid);
+  read_named(file, result::support_series, t.supports);
+  for_each_series(t, [&](const SeriesColumn& series, std::vector<double>& values) {
+    const std::string path = fmt::format("{}/{}", result::time_series, series.path);
+    if (!series.required && !file.has(path)) return;
+    values = finite(file, {path.c_str(), "", "", ""}, series.components == 1 ? Shape{n} : Shape{n, series.components});
+  });
+  expect_ascending(file, result::time, t.time);
   return t;
+}
+
+std::vector<BodyResult> read_bodies(const H5Reader& file) {
+  std::vector<BodyResult> bodies;
+  read_named(file, result::body_heads, bodies);
+  for (BodyResult& body : bodies) {
+    const std::string path = fmt::format("{}/{}", result::body_heads.path, body.name);
+    body.model_file = file.text(path.c_str(), "file");
+    body.model_sha256 = file.text(path.c_str(), "sha256");
+    body.law = file.text(path.c_str(), "law");
+    body.mass = file.text(path.c_str(), "mass");
+    body.light_functions = file.text(path.c_str(), "light_functions");
+    body.light_threshold = file.number<double>(path.c_str(), "light_threshold");
+    body.unknowns = file.number<std::int64_t>(path.c_str(), "unknowns");
+    body.density = file.number<double>(path.c_str(), "density");
+  }
+  return bodies;
+}
+
+FieldIndex read_field_index(const H5Reader& file) {
+  FieldIndex fields;
+  fields.bodies_file = file.text(result::fields, "bodies_file");
+  fields.times = finite(file, result::field_times, {rows_of(file, result::field_times)});
+  expect_ascending(file, result::field_times, fields.times);
+  fields.files = read_texts(file, result::field_files, fields.times.size());
+  return fields;
 }
 
 SurfaceResult read_surface(const H5Reader& file) {
@@ -208,6 +247,8 @@ Results load(const H5Reader& file) {
   if (file.has(result::statics)) r.statics = read_static(file, num_functions);
   if (file.has(result::time_series)) r.time_series = read_time_series(file);
   if (file.has(result::surface)) r.surface = read_surface(file);
+  r.bodies = read_bodies(file);
+  if (file.has(result::fields)) r.fields = read_field_index(file);
   return r;
 }
 

@@ -5,6 +5,7 @@
 #include "format/io/results_io.hpp"
 
 #include "format/model/errors.hpp"
+#include "format/model/time_series.hpp"
 
 #include <fmt/format.h>
 
@@ -114,23 +115,48 @@ void write_static(H5Writer& file, const StaticResult& s) {
   write_loads(file, s.loads);
 }
 
+// A group of groups, one per named thing, and the list of their names.
+template <class Thing>
+void write_named(H5Writer& file, const result::NamedGroup& group, const std::vector<Thing>& things) {
+  file.group(group.path, group.description);
+  file.strings(group.names, column(things, [](const auto& thing) { return thing.name; }));
+  for (const Thing& thing : things) file.group(fmt::format("{}/{}", group.path, thing.name).c_str(), group.one);
+}
+
 void write_time_series(H5Writer& file, const TimeSeries& t) {
   file.group(result::time_series, "what changes with time");
-  write(file, result::time, t.time);
   file.group(result::energy, "energies of the whole system");
-  for (std::size_t i = 0; i < t.energy.size(); ++i) {
-    if (t.energy[i].empty() && !t.time.empty()) continue;
-    const std::string path = fmt::format("{}/{}", result::energy, TimeSeries::energy_names[i]);
-    const std::string text = fmt::format("{} energy", TimeSeries::energy_names[i]);
-    write(file, {path.c_str(), "force*length", result::energy_order, text.c_str()}, t.energy[i]);
+  write_named(file, result::contact_series, t.contacts);
+  if (!t.bodies.empty()) write_named(file, result::body_series, t.bodies);
+  if (!t.rigid.empty()) write_named(file, result::rigid_series, t.rigid);
+  if (!t.supports.empty()) write_named(file, result::support_series, t.supports);
+  for_each_series(t, [&](const SeriesColumn& series, const std::vector<double>& values) {
+    if (values.empty() && !t.time.empty()) return;
+    const std::string path = fmt::format("{}/{}", result::time_series, series.path);
+    write(file, {path.c_str(), series.unit, series.order, series.description}, values, series.components);
+  });
+}
+
+void write_bodies(H5Writer& file, const std::vector<BodyResult>& bodies) {
+  write_named(file, result::body_heads, bodies);
+  for (const BodyResult& body : bodies) {
+    const std::string path = fmt::format("{}/{}", result::body_heads.path, body.name);
+    file.attribute(path.c_str(), "file", body.model_file);
+    file.attribute(path.c_str(), "sha256", body.model_sha256);
+    file.attribute(path.c_str(), "law", body.law);
+    file.attribute(path.c_str(), "mass", body.mass);
+    file.attribute(path.c_str(), "light_functions", body.light_functions);
+    file.attribute(path.c_str(), "light_threshold", body.light_threshold);
+    file.attribute(path.c_str(), "unknowns", body.unknowns);
+    file.attribute(path.c_str(), "density", body.density);
   }
-  file.group(result::contact, "forces of each contact");
-  file.strings(result::contact_names, column(t.contacts, [](const auto& c) { return c.name; }));
-  for (const auto& contact : t.contacts) {
-    const std::string group = fmt::format("{}/{}", result::contact, contact.name), path = group + "/force";
-    file.group(group.c_str(), "one contact");
-    write(file, {path.c_str(), "force", "(time; x y z)", "force on the first-named body"}, contact.force, 3);
-  }
+}
+
+void write_field_index(H5Writer& file, const FieldIndex& fields) {
+  file.group(result::fields, "files beside this one that hold the fields");
+  file.attribute(result::fields, "bodies_file", fields.bodies_file);
+  write(file, result::field_times, fields.times);
+  file.strings(result::field_files, fields.files);
 }
 
 void write_surface(H5Writer& file, const SurfaceResult& s) {
@@ -164,6 +190,8 @@ void write_results(const std::filesystem::path& path, const Results& results, bo
   if (results.statics) write_static(file, *results.statics);
   if (results.time_series) write_time_series(file, *results.time_series);
   if (results.surface) write_surface(file, *results.surface);
+  if (!results.bodies.empty()) write_bodies(file, results.bodies);
+  if (results.fields) write_field_index(file, *results.fields);
   write_provenance(file, results.header.provenance);
   file.commit();
 }

@@ -161,6 +161,21 @@ std::optional<std::string> SettingsTable::text(std::string_view key) {
   return node->as_string()->get();
 }
 
+std::optional<std::vector<std::string>> SettingsTable::texts(std::string_view key) {
+  const std::string full = join(path_, key);
+  file_->known.insert(full);
+  const toml::node* node = node_of(node_, key);
+  if (!node) return std::nullopt;
+  const char* expected = "a list of texts in quotes";
+  if (!node->is_array()) refuse(file_->path, full, *node, expected);
+  std::vector<std::string> values;
+  for (const toml::node& entry : *node->as_array()) {
+    if (!entry.is_string()) refuse(file_->path, full, entry, expected);
+    values.push_back(entry.as_string()->get());
+  }
+  return values;
+}
+
 std::optional<std::filesystem::path> SettingsTable::path(std::string_view key) {
   const auto typed = text(key);
   return typed ? std::optional((file_->path.parent_path() / *typed).lexically_normal()) : std::nullopt;
@@ -217,6 +232,19 @@ std::optional<std::vector<std::vector<double>>> SettingsTable::rows(std::string_
 bool SettingsTable::holds_text(std::string_view key) const {
   const toml::node* node = node_of(node_, key);
   return node && node->is_string();
+}
+
+bool SettingsTable::holds_number(std::string_view key) const {
+  const toml::node* node = node_of(node_, key);
+  return node && node->is_number();
+}
+
+bool SettingsTable::holds(std::string_view key) const {
+  return node_of(node_, key) != nullptr;
+}
+
+void SettingsTable::expect(std::string_view key) {
+  file_->known.insert(join(path_, key));
 }
 
 void SettingsTable::refuse_unknown_keys() const {

@@ -28,6 +28,8 @@ class SettingsTable {
   std::vector<SettingsTable> tables(std::string_view key);
   std::optional<bool> boolean(std::string_view key);
   std::optional<std::string> text(std::string_view key);
+  /// A list of any length of texts.
+  std::optional<std::vector<std::string>> texts(std::string_view key);
   /// A file's path, relative to the folder of the settings file.
   std::optional<std::filesystem::path> path(std::string_view key);
   std::optional<double> number(std::string_view key);
@@ -39,6 +41,11 @@ class SettingsTable {
   std::optional<std::vector<std::vector<double>>> rows(std::string_view key, std::size_t columns);
   /// True where the key holds a string: for keys that take either a word or numbers.
   bool holds_text(std::string_view key) const;
+  /// The same for a number, and for anything at all.
+  bool holds_number(std::string_view key) const;
+  bool holds(std::string_view key) const;
+  /// The key counts as known although its value is not asked for.
+  void expect(std::string_view key);
 
   /// "file:line: 'key' in [table]": opens a message about a value of the right type that makes no sense; the line of
   /// the table where the key is absent.

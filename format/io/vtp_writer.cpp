@@ -182,6 +182,15 @@ void write_vtp(const std::filesystem::path& path, const TriangleMesh& mesh, std:
   write_whole(path, file.text());
 }
 
+void write_viewer_index(const std::filesystem::path& index, std::span<const ViewerEntry> entries) {
+  std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+                     "<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n<Collection>\n";
+  for (const ViewerEntry& entry : entries)
+    text += fmt::format("<DataSet timestep=\"{}\" group=\"\" part=\"{}\" file=\"{}\"/>\n", entry.time, entry.part,
+                        escaped(entry.file));
+  write_whole(index, text + "</Collection>\n</VTKFile>\n");
+}
+
 std::filesystem::path viewer_index(const std::filesystem::path& results) {
   return std::filesystem::path(results).replace_extension(".pvd");
 }
@@ -202,12 +211,10 @@ void write_viewer_files(const std::filesystem::path& results_path, const Results
   if (error) throw InputError(fmt::format("{}: the folder cannot be made: {}", folder.string(), error.message()));
   tbb::parallel_for(std::size_t{0}, s.steps.size(),
                     [&](std::size_t step) { write_step(folder / step_name(results_path, step), results, step); });
-  std::string index = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
-                      "<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n<Collection>\n";
+  std::vector<ViewerEntry> entries;
   for (std::size_t step = 0; step < s.steps.size(); ++step)
-    index += fmt::format("<DataSet timestep=\"{}\" group=\"\" part=\"0\" file=\"{}/{}\"/>\n", s.steps[step],
-                         escaped(folder.filename().string()), escaped(step_name(results_path, step)));
-  write_whole(viewer_index(results_path), index + "</Collection>\n</VTKFile>\n");
+    entries.push_back({s.steps[step], 0, folder.filename().string() + "/" + step_name(results_path, step)});
+  write_viewer_index(viewer_index(results_path), entries);
   remove_other_steps(results_path, s.steps.size());
 }
 

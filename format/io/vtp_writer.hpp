@@ -28,6 +28,16 @@ struct VtpNumber {
 void write_vtp(const std::filesystem::path& path, const TriangleMesh& mesh, std::span<const VtpArray> arrays,
                std::span<const VtpNumber> numbers);
 
+/// One part of one step of a series.
+struct ViewerEntry {
+  double time = 0;
+  int part = 0;
+  std::string file; ///< relative to the index's folder
+};
+
+/// Writes or replaces the .pvd that lists the parts of all steps. The file appears whole or not at all.
+void write_viewer_index(const std::filesystem::path& index, std::span<const ViewerEntry> entries);
+
 /// Where the viewer files of a results file lie: modes.h5 → modes.pvd and modes_vtp/modes_0001.vtp …
 std::filesystem::path viewer_index(const std::filesystem::path& results);
 

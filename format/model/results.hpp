@@ -105,17 +105,83 @@ struct StaticResult {
   std::vector<LoadResult> loads;
 };
 
-/// What changes with time in an explicit analysis. Energies in force · length; each (num_times) or empty.
+/// What changes with time in an explicit analysis: one row per output. Every series has num_times · components entries,
+/// time slowest; one that is empty was not kept. format/model/time_series.hpp goes through them one by one.
 struct TimeSeries {
   static constexpr std::array energy_names{"internal", "kinetic",  "contact", "friction",
                                            "damping",  "external", "eroded"};
   struct Contact {
     std::string name;
-    std::vector<double> force; ///< (num_times × 3); on the first-named body
+    std::vector<double> force;               ///< 3; on the first-named body
+    std::vector<double> impulse = {};        ///< 3; ∫ force dt since the start, step by step
+    std::vector<double> normal_force = {};   ///< 1; Σ of the sizes
+    std::vector<double> friction_force = {}; ///< 1
+    std::vector<double> depth = {};          ///< 1; deepest penetration, length
+    std::vector<double> area = {};           ///< 1; in contact, undeformed, length²
+  };
+  struct Body {
+    std::string name;
+    std::vector<double> momentum, angular_momentum; ///< 3; half a step later; angular about the origin
+    std::vector<double> impulse, angular_impulse;   ///< 3; of all that acts from outside, since the start
+    std::vector<double> min_volume_ratio;           ///< 1; smallest det F
+    std::vector<double> inverted, eroded;           ///< 1; points so far (evaluation by evaluation; taken out)
+  };
+  struct Rigid {
+    std::string name;
+    std::vector<double> position; ///< 3; of the centre
+    std::vector<double> rotation; ///< 4; unit quaternion w x y z from the start's axes to now
+    std::vector<double> velocity; ///< 3; half a step later
+    std::vector<double> force;    ///< 3; of all contacts
+    std::vector<double> moment;   ///< 3; about the centre
+  };
+  struct Support {
+    std::string name;
+    std::vector<double> force; ///< 3; of the support on the body
   };
   std::vector<double> time;
+  std::vector<double> dt = {};           ///< of the step to come
+  std::vector<double> energy_error = {}; ///< |change of the sum| / largest energy so far
   std::array<std::vector<double>, energy_names.size()> energy;
   std::vector<Contact> contacts;
+  std::vector<Body> bodies = {};
+  std::vector<Rigid> rigid = {};
+  std::vector<Support> supports = {};
+};
+
+/// A body of an explicit analysis, as the head of its results says.
+struct BodyResult {
+  std::string name;
+  std::string model_file, model_sha256;
+  std::string law;                     ///< as in the run file
+  std::string mass;                    ///< lumped | two-pass | three-pass
+  std::string light_functions{"none"}; ///< as in ResultsHeader
+  double light_threshold = 0;
+  std::int64_t unknowns = 0;
+  double density = 0; ///< mass/length³
+};
+
+/// Which files beside the results file hold the fields; names relative to its folder.
+struct FieldIndex {
+  std::string bodies_file;        ///< meshes and functions of the bodies
+  std::vector<double> times;      ///< (num_steps), ascending
+  std::vector<std::string> files; ///< (num_steps)
+};
+
+/// What fields of one body refer to: written once.
+struct BodyMesh {
+  std::string name;
+  std::vector<std::int64_t> active_functions; ///< (n_f), the model's
+  OutputMesh surface;
+};
+
+/// Fields of one body at one time.
+struct BodyFields {
+  std::string name;
+  std::vector<double> coefficients; ///< (n_f × 3) of the displacement, length
+  std::vector<double> displacement; ///< (n_v × 3) of the surface's vertices, length
+  std::vector<double> von_mises;    ///< (n_v); of the Cauchy stress, smoothed; force/length²
+  std::vector<double> strain;       ///< (n_v); largest principal logarithmic strain by size, smoothed
+  std::vector<double> point_stress; ///< (n_points × 6) Cauchy at the model's quadrature points, or empty; xx … zx
 };
 
 /// All that one results file holds; parts that an analysis has not are absent.
@@ -126,6 +192,8 @@ struct Results {
   std::optional<StaticResult> statics;
   std::optional<TimeSeries> time_series;
   std::optional<SurfaceResult> surface;
+  std::vector<BodyResult> bodies = {};   ///< explicit
+  std::optional<FieldIndex> fields = {}; ///< explicit
 };
 
 } // namespace iga

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "format/model/results.hpp"
+#include "format/model/time_series.hpp"
 #include "tests/support/equal_models.hpp"
 
 namespace iga::test {
@@ -71,13 +72,33 @@ inline void expect_equal(const StaticResult& a, const StaticResult& b) {
 }
 
 inline void expect_equal(const TimeSeries& a, const TimeSeries& b) {
-  EXPECT_EQ(a.time, b.time);
-  EXPECT_EQ(a.energy, b.energy);
-  ASSERT_EQ(a.contacts.size(), b.contacts.size());
-  for (std::size_t i = 0; i < a.contacts.size(); ++i) {
-    EXPECT_EQ(a.contacts[i].name, b.contacts[i].name);
-    EXPECT_EQ(a.contacts[i].force, b.contacts[i].force);
-  }
+  const auto all = [](const TimeSeries& t) {
+    std::vector<std::pair<std::string, std::vector<double>>> series;
+    for_each_series(t,
+                    [&](const SeriesColumn& column, const auto& values) { series.emplace_back(column.path, values); });
+    return series;
+  };
+  const auto left = all(a), right = all(b);
+  ASSERT_EQ(left.size(), right.size());
+  for (std::size_t i = 0; i < left.size(); ++i) EXPECT_EQ(left[i], right[i]) << left[i].first;
+}
+
+inline void expect_equal(const BodyResult& a, const BodyResult& b) {
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.model_file, b.model_file);
+  EXPECT_EQ(a.model_sha256, b.model_sha256);
+  EXPECT_EQ(a.law, b.law);
+  EXPECT_EQ(a.mass, b.mass);
+  EXPECT_EQ(a.light_functions, b.light_functions);
+  EXPECT_EQ(a.light_threshold, b.light_threshold);
+  EXPECT_EQ(a.unknowns, b.unknowns);
+  EXPECT_EQ(a.density, b.density);
+}
+
+inline void expect_equal(const FieldIndex& a, const FieldIndex& b) {
+  EXPECT_EQ(a.bodies_file, b.bodies_file);
+  EXPECT_EQ(a.times, b.times);
+  EXPECT_EQ(a.files, b.files);
 }
 
 inline void expect_equal(const SurfaceResult& a, const SurfaceResult& b) {
@@ -102,6 +123,9 @@ inline void expect_equal(const Results& a, const Results& b) {
   parts(a.statics, b.statics);
   parts(a.time_series, b.time_series);
   parts(a.surface, b.surface);
+  parts(a.fields, b.fields);
+  ASSERT_EQ(a.bodies.size(), b.bodies.size());
+  for (std::size_t i = 0; i < a.bodies.size(); ++i) expect_equal(a.bodies[i], b.bodies[i]);
 }
 
 } // namespace iga::test

@@ -1,5 +1,6 @@
 #include "tests/support/synthetic_results.hpp"
 
+#include "format/model/time_series.hpp"
 #include "format/model/vec3.hpp"
 
 namespace iga::test {
@@ -86,8 +87,18 @@ StaticResult make_static(const TrimmedModel& model) {
 TimeSeries make_time_series() {
   TimeSeries t;
   t.time = {0, 0.5, 1};
-  for (std::size_t i = 0; i < t.energy.size(); ++i) t.energy[i] = counted(3, static_cast<double>(i));
-  t.contacts = {{"hammer", counted(9, 1)}, {"anvil", counted(9, 2)}};
+  t.contacts.resize(2);
+  t.contacts[0].name = "hammer";
+  t.contacts[1].name = "anvil";
+  t.bodies.resize(1);
+  t.bodies[0].name = "Block";
+  t.rigid.resize(1);
+  t.rigid[0].name = "a tool";
+  t.supports = {{"foot", {}}};
+  double first = 0;
+  for_each_series(t, [&first](const SeriesColumn& column, std::vector<double>& values) {
+    if (values.empty()) values = counted(3 * static_cast<std::size_t>(column.components), ++first);
+  });
   return t;
 }
 
@@ -138,6 +149,10 @@ Results make_full_results(const TrimmedModel& model) {
   Results r = make_eigen_results(model);
   r.statics = make_static(model);
   r.time_series = make_time_series();
+  r.bodies = {{"Block", "box.h5", std::string(64, 'e'), "neo-hookean", "lumped", "linear", 0.01, 300, 7.8e-6},
+              {"other", "box.h5", std::string(64, 'f'), "j2", "two-pass", "none", 0, 30, 7.8e-9}};
+  r.fields =
+      FieldIndex{"full_fields/full_bodies.h5", {0, 0.5}, {"full_fields/full_0001.h5", "full_fields/full_0002.h5"}};
   const std::size_t n = model.surface.mesh.vertices.size();
   r.surface->fields.stress = counted(9 * 6 * n, 10);
   r.surface->fields.strain = counted(9 * 6 * n, 20);

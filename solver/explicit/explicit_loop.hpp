@@ -1,0 +1,48 @@
+// The loop over the steps of a run, with all that happens between them: outputs, restart files, stop conditions,
+// signals, progress.
+#pragma once
+
+#include "format/io/progress.hpp"
+#include "solver/explicit/run_outputs.hpp"
+#include "solver/explicit/run_restart.hpp"
+#include "solver/explicit/series_recorder.hpp"
+
+namespace iga::solve {
+
+class ExplicitLoop {
+ public:
+  struct Parts {
+    ExplicitScene& scene;
+    SeriesRecorder& recorder;
+    RunOutputs& outputs;
+    io::Progress& progress;
+    std::vector<InputFile> inputs; ///< for restart files
+  };
+  explicit ExplicitLoop(Parts parts) : parts_(std::move(parts)) {}
+
+  /// The state at the start: first row, first fields. @pre scene.start()
+  void begin();
+  /// Goes on where a restart file was written.
+  void resume(const RestartState& restart);
+  /// Until the end, a stop condition or a signal. @returns the signal's number, 0 for none
+  /// @throws NumericalError of the integrator, after the rows so far were written
+  int run();
+
+  const StopCondition* stopped_by() const { return stop_; }
+  const std::vector<std::string>& warnings() const { return warnings_; }
+  /// Largest error of the momentum balance of all bodies, relative to the largest momentum or impulse.
+  double momentum_error() const;
+
+ private:
+  bool is_due(std::int64_t number, double interval) const;
+  void follow_up();
+  void write_restart_file() const;
+  std::string state_text() const;
+
+  Parts parts_;
+  std::int64_t next_row_ = 1, next_field_ = 1, next_restart_ = 1;
+  const StopCondition* stop_ = nullptr;
+  std::vector<std::string> warnings_;
+};
+
+} // namespace iga::solve

@@ -1,0 +1,168 @@
+#include "solver/explicit/run_scene.hpp"
+
+#include "format/io/interrupt.hpp"
+#include "format/io/settings_reader.hpp"
+#include "format/io/trimmed_model_io.hpp"
+#include "format/model/errors.hpp"
+#include "solver/explicit/contact/contact_surface.hpp"
+#include "solver/explicit/run_overlap.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace iga::solve {
+
+namespace {
+
+// What is wrong gets the place in the run file where it was asked for.
+template <class Make> auto at(const std::string& where, Make make) {
+  try {
+    return make();
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", where, error.what()));
+  }
+}
+
+double density_of(const BodyRun& body) {
+  return std::visit([](const auto& law) { return static_cast<double>(law.density); }, body.material.law);
+}
+
+Point3 centre_of_mass(const TrimmedModel& model) {
+  double volume = 0;
+  Point3 sum{};
+  for (std::size_t q = 0; q < model.points.weights.size(); ++q) {
+    const double* u = &model.points.parameters[3 * q];
+    const Point3 x = model.grid.to_position({u[0], u[1], u[2]});
+    volume += model.points.weights[q];
+    for (std::size_t d = 0; d < 3; ++d) sum[d] += model.points.weights[q] * x[d];
+  }
+  return {sum[0] / volume, sum[1] / volume, sum[2] / volume};
+}
+
+void check_regions(const std::string& where, const ContactSide& side, const std::vector<ContactSurface>& surfaces) {
+  if (side.kind == ContactSide::Kind::Rigid) return;
+  const TriangleMesh& mesh = surfaces[side.number].mesh;
+  for (const std::string& name : side.regions) {
+    const auto& known = mesh.region_names;
+    const auto found = std::find(known.begin(), known.end(), name);
+    const auto near = io::nearest_name(name, known);
+    if (found == known.end())
+      throw InputError(fmt::format("{}: body '{}' has no region '{}'{}; its regions: {}", where,
+                                   surfaces[side.number].body, name,
+                                   near ? fmt::format(", did you mean '{}'?", *near) : "", fmt::join(known, ", ")));
+    if (std::find(mesh.region.begin(), mesh.region.end(), found - known.begin()) == mesh.region.end())
+      throw InputError(
+          fmt::format("{}: region '{}' of body '{}' holds no triangle", where, name, surfaces[side.number].body));
+  }
+}
+
+} // namespace
+
+ExplicitScene::ExplicitScene(const ExplicitRun& run) : run_(run), warnings_(run.warnings) {
+  add_bodies();
+  add_loads();
+  add_contact();
+}
+
+void ExplicitScene::add_bodies() {
+  for (const BodyRun& body : run_.bodies) {
+    io::stop_if_interrupted();
+    models_.push_back(std::make_unique<TrimmedModel>(io::read_model(body.model)));
+    const TrimmedModel& model = *models_.back();
+    if (run_.units && *run_.units != model.length_unit)
+      throw InputError(fmt::format("{}: the length unit of {} is \"{}\", but the run says \"{}\"; convert the material "
+                                   "and the loads, or make the model with igaprep --length-unit {}",
+                                   body.where, body.model.string(), model.length_unit, *run_.units, *run_.units));
+    at(body.where, [&] {
+      bodies_.push_back(std::make_unique<ExplicitBody>(model, body.body, body.material.law));
+      return 0;
+    });
+    if (body.velocity != Point3{} || body.spin != Point3{})
+      bodies_.back()->set_rigid_velocity(body.velocity, body.spin, body.centre ? *body.centre : centre_of_mass(model));
+    for (const std::string& warning : bodies_.back()->space().warnings())
+      warnings_.push_back(fmt::format("body '{}': {}", body.body.name, warning));
+  }
+}
+
+void ExplicitScene::add_loads() {
+  for (const LoadRun& load : run_.loads) {
+    loads_.push_back(at(load.where, [&] {
+      return std::make_unique<TimedLoads>(bodies_[load.body]->space(), load.body, density_of(run_.bodies[load.body]),
+                                          std::vector{load.load});
+    }));
+    for (const LoadReport& report : loads_.back()->reports()) load_reports_.push_back(report);
+  }
+  for (const SupportRun& support : run_.supports)
+    supports_.push_back(at(support.where, [&] {
+      return std::make_unique<RegionDrive>(bodies_[support.body]->space(), support.body,
+                                           density_of(run_.bodies[support.body]), support.region);
+    }));
+}
+
+void ExplicitScene::add_contact() {
+  if (run_.rigid.empty() && run_.contacts.empty()) return;
+  std::vector<ContactSurface> surfaces;
+  for (std::size_t b = 0; b < bodies_.size(); ++b)
+    surfaces.push_back(at(run_.bodies[b].where, [&] {
+      return make_contact_surface(bodies_[b]->space(), run_.bodies[b].body.name, density_of(run_.bodies[b]),
+                                  run_.bodies[b].edge_length);
+    }));
+  std::vector<RigidBody> rigid;
+  for (const RigidRun& body : run_.rigid) rigid.push_back(body.body);
+  std::vector<ContactPair> pairs;
+  for (const ContactRun& contact : run_.contacts) {
+    check_regions(contact.where, contact.pair.first, surfaces);
+    check_regions(contact.where, contact.pair.second, surfaces);
+    pairs.push_back(contact.pair);
+  }
+  refuse_deep_overlap(run_, surfaces);
+  contact_ = at(run_.file.string(), [&] {
+    return std::make_unique<ContactModel>(std::move(surfaces), std::move(rigid), std::move(pairs), run_.contact);
+  });
+}
+
+void ExplicitScene::find_limits() {
+  for (const auto& body : bodies_) {
+    io::stop_if_interrupted();
+    limits_.push_back(body->start_step());
+  }
+}
+
+void ExplicitScene::make_integrator() {
+  IntegratorSettings settings = run_.time;
+  std::size_t limiting = 0;
+  for (std::size_t b = 1; b < limits_.size(); ++b)
+    if (limits_[b].dt < limits_[limiting].dt) limiting = b;
+  const double stable = settings.safety * limits_[limiting].dt;
+  if (run_.smallest_dt > 0) {
+    if (stable < run_.smallest_dt)
+      throw InputError(
+          fmt::format("{}: the first time step would be {:.4g} (body '{}'), below dt_min = {:g}; lower dt_min, "
+                      "choose larger spans, or treat light functions",
+                      run_.time_where, stable, run_.bodies[limiting].body.name, run_.smallest_dt));
+    settings.floor = run_.smallest_dt / stable;
+  }
+  std::vector<ExplicitBody*> bodies;
+  for (const auto& body : bodies_) bodies.push_back(body.get());
+  integrator_ = std::make_unique<Integrator>(std::move(bodies), settings);
+  for (const auto& load : loads_) integrator_->add(*load);
+  for (const auto& support : supports_) integrator_->add(*support);
+  if (contact_) integrator_->add(*contact_);
+}
+
+void ExplicitScene::start() {
+  make_integrator();
+  at(run_.file.string(), [&] {
+    integrator_->start(limits_);
+    return 0;
+  });
+}
+
+void ExplicitScene::load(const IntegratorState& state, std::vector<StartStep> limits) {
+  limits_ = std::move(limits);
+  make_integrator();
+  integrator_->load(state, limits_);
+}
+
+} // namespace iga::solve
