@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 namespace iga::solve {
@@ -97,8 +96,10 @@ template <class Degrees> class SpanKernel final : public InternalForces {
     for (std::size_t l = 0; l < lanes; ++l) copy_rows(group.spans[l], u, work.scratch + l * Work::padded);
     for (std::size_t k = 0; k < size; k += lanes) {
       Wide block[lanes];
+#pragma GCC unroll 8
       for (std::size_t l = 0; l < lanes; ++l) block[l] = load_wide(work.scratch + l * Work::padded + k);
       transpose(block);
+#pragma GCC unroll 8
       for (std::size_t l = 0; l < lanes; ++l) work.u[k + l] = block[l];
     }
     if (group.tensor >= 0) {
@@ -120,8 +121,10 @@ template <class Degrees> class SpanKernel final : public InternalForces {
     stress.finish(group.spans.data(), extremes);
     for (std::size_t k = 0; k < size; k += lanes) {
       Wide block[lanes];
+#pragma GCC unroll 8
       for (std::size_t l = 0; l < lanes; ++l) block[l] = work.f[k + l];
       transpose(block);
+#pragma GCC unroll 8
       for (std::size_t l = 0; l < lanes; ++l) store_wide(block[l], work.scratch + l * Work::padded + k);
     }
     for (std::size_t l = 0; l < static_cast<std::size_t>(group.count); ++l)
@@ -141,6 +144,7 @@ template <class Degrees> class SpanKernel final : public InternalForces {
     stress.finish(owner.data(), extremes);
     for (std::size_t k = 0; k < size; k += lanes) {
       Wide block[lanes];
+#pragma GCC unroll 8
       for (std::size_t l = 0; l < lanes; ++l) block[l] = work.f[k + l];
       store_wide(lane_sums(block), work.scratch + k);
     }
@@ -159,11 +163,16 @@ template <class Degrees> class SpanKernel final : public InternalForces {
         .subspan(static_cast<std::size_t>(spans.first_own), static_cast<std::size_t>(spans.blocks));
   }
 
-  // Coefficients of a span, row after row; of known length, so that no function is called for a copy.
+  // Coefficients of a span, row after row; in whole registers.
   [[gnu::always_inline]] void copy_rows(std::int32_t span, const double* u, double* to) const {
     const auto line = static_cast<std::size_t>(3 * (degrees_.u + 1));
     const std::int64_t* rows = rows_of(span);
-    for (std::size_t r = 0; r < num_rows(); ++r) std::memcpy(to + r * line, u + 3 * rows[r], line * sizeof(double));
+    for (std::size_t r = 0; r < num_rows(); ++r, to += line) {
+      const double* from = u + 3 * rows[r];
+      std::size_t k = 0;
+      for (; k + lanes <= line; k += lanes) store_wide(load_wide(from + k), to + k);
+      for (; k < line; ++k) to[k] = from[k];
+    }
   }
   [[gnu::always_inline]] void add_rows(std::int32_t span, const double* from, double* f) const {
     const auto line = static_cast<std::size_t>(3 * (degrees_.u + 1));
