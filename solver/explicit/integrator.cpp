@@ -16,6 +16,9 @@ Integrator::Integrator(std::vector<ExplicitBody*> bodies, const IntegratorSettin
   if (!(settings.safety > 0 && settings.safety <= 1))
     throw InputError(
         fmt::format("the safety factor of the time step is {:g}: above 0 and at most 1 is allowed", settings.safety));
+  if (!(settings.start_share > 0 && settings.start_share <= 1))
+    throw InputError(fmt::format("the first time step is to be {:g} of its limit: above 0 and at most 1 is allowed",
+                                 settings.start_share));
 }
 
 void Integrator::prepare(std::vector<StartStep> limits) {
@@ -76,7 +79,7 @@ void Integrator::drift() {
 
 void Integrator::follow(double limit) {
   StepControl& control = control_;
-  if (steps_ == 0) control = {limit, limit, limit, limit, 0};
+  if (steps_ == 0) control = {settings_.start_share * limit, settings_.start_share * limit, limit, limit, 0};
   control.least = std::min(control.least, limit);
   if (++control.count >= settings_.hold) {
     control.target = std::max(control.target, std::min(control.least_before, control.least));

@@ -16,6 +16,9 @@ struct IntegratorSettings {
   /// grows only to what has been allowed throughout this many steps, at most by `growth` from one to the next.
   int hold = 200;
   double growth = 1.02;
+  /// The first steps are this share of the limit, and grow as after a hold. Below 1 for bodies that start with a strong
+  /// vibration: a first step that has to shrink in the first compression gives energy to the fastest modes, see README.
+  double start_share = 1;
   double floor = 1e-4;        ///< a step below this share of the first one ends the run
   double energy_limit = 0;    ///< relative error of the energy balance that ends the run; 0: none does
   std::int64_t max_steps = 0; ///< 0: as many as it takes

@@ -3,18 +3,19 @@
 
 #include "solver/explicit/wide.hpp"
 
-#include <cstring>
-
 namespace iga::solve {
 
+using UnalignedPack [[gnu::vector_size(pack_size * sizeof(double)), gnu::aligned(8), gnu::may_alias]] = double;
+
 /// Eight doubles from anywhere in memory.
+// Whole registers: of a copy by memcpy g++ 12 makes halves, and later loads wait until both have arrived in the cache.
 [[gnu::always_inline]] inline Wide load_wide(const double* x) {
   Wide y;
-  std::memcpy(&y, x, sizeof(y));
+  for (int k = 0; k < num_packs; ++k) y.p[k] = *reinterpret_cast<const UnalignedPack*>(x + k * pack_size);
   return y;
 }
 [[gnu::always_inline]] inline void store_wide(const Wide& x, double* y) {
-  std::memcpy(y, &x, sizeof(x));
+  for (int k = 0; k < num_packs; ++k) *reinterpret_cast<UnalignedPack*>(y + k * pack_size) = x.p[k];
 }
 
 #if defined(__AVX512F__)

@@ -105,8 +105,10 @@ void ExplicitScene::add_contact() {
   std::vector<ContactSurface> surfaces;
   for (std::size_t b = 0; b < bodies_.size(); ++b)
     surfaces.push_back(at(run_.bodies[b].where, [&] {
-      return make_contact_surface(bodies_[b]->space(), run_.bodies[b].body.name, density_of(run_.bodies[b]),
-                                  run_.bodies[b].edge_length);
+      ContactSurface surface = make_contact_surface(bodies_[b]->space(), run_.bodies[b].body.name,
+                                                    density_of(run_.bodies[b]), run_.bodies[b].edge_length);
+      surface.wave_speed = bodies_[b]->forces().reference_wave_speed();
+      return surface;
     }));
   std::vector<RigidBody> rigid;
   for (const RigidRun& body : run_.rigid) rigid.push_back(body.body);

@@ -15,8 +15,9 @@ namespace iga::solve {
 
 namespace {
 
-/// Total Lagrangian internal forces of the spans of a body with one law. Memory per point: 32 B of place and weight in
-/// trimmed spans (none in interior ones), the law's history, 72 B of F where the law asks for it.
+/// Total Lagrangian internal forces of the spans of a body with one law. Memory per point: 32 B of place and weight
+/// (less in tensors, nothing worth counting where all spans share one), the law's history, 72 B of F where the law asks
+/// for it.
 template <class Degrees> class SpanKernel final : public InternalForces {
  public:
   SpanKernel(const SolutionSpace& space, LawAccess law, const KernelOptions& options)
@@ -47,7 +48,10 @@ template <class Degrees> class SpanKernel final : public InternalForces {
 
   std::int64_t memory() const override {
     const auto bytes = [](const auto& v) { return v.size() * sizeof(v[0]); };
-    return static_cast<std::int64_t>(bytes(memory_.history) + bytes(memory_.F_old) + bytes(memory_.extra) +
+    std::size_t tensors = 0;
+    for (const LaneTensor& t : plan_.tensors)
+      tensors += bytes(t.weights) + bytes(t.t[0]) + bytes(t.t[1]) + bytes(t.t[2]);
+    return static_cast<std::int64_t>(tensors + bytes(memory_.history) + bytes(memory_.F_old) + bytes(memory_.extra) +
                                      bytes(plan_.own_points) + bytes(plan_.groups) + bytes(plan_.point_spans) +
                                      bytes(plan_.rows) + bytes(plan_.point));
   }
@@ -88,32 +92,39 @@ template <class Degrees> class SpanKernel final : public InternalForces {
 
   void visit_group(const SpanGroup& group, const double* u, double* f, Work& work, PointStress& stress,
                    PointExtremes& extremes) {
-    const auto line = static_cast<std::size_t>(3 * (degrees_.u + 1));
-    const std::size_t size = line * num_rows();
-    for (std::size_t l = 0; l < lanes; ++l) {
-      const std::int64_t* rows = rows_of(group.spans[l]);
-      double* to = work.scratch + l * Work::padded;
-      for (std::size_t r = 0; r < num_rows(); ++r) std::copy_n(u + 3 * rows[r], line, to + r * line);
-    }
+    const std::size_t size = static_cast<std::size_t>(3 * (degrees_.u + 1)) * num_rows();
+    for (std::size_t l = 0; l < lanes; ++l) copy_rows(group.spans[l], u, work.scratch + l * Work::padded);
     for (std::size_t k = 0; k < size; k += lanes) {
       Wide block[lanes];
+#pragma GCC unroll 8
       for (std::size_t l = 0; l < lanes; ++l) block[l] = load_wide(work.scratch + l * Work::padded + k);
       transpose(block);
+#pragma GCC unroll 8
       for (std::size_t l = 0; l < lanes; ++l) work.u[k + l] = block[l];
     }
-    Lanes counted{};
-    for (std::size_t l = 0; l < static_cast<std::size_t>(group.count); ++l) counted[l] = 1;
-    const TensorTable& table = plan_.tables[static_cast<std::size_t>(group.table)];
-    contract_table(degrees_, table, work, [&](int first, int count, TensorWide* points) {
-      for (int q = 0; q < count; ++q)
-        stress(group.first_block + first + q, wide(counted) * table.weights[static_cast<std::size_t>(first + q)],
-               points[q]);
-    });
+    if (group.tensor >= 0) {
+      const LaneTensor& tensor = plan_.tensors[static_cast<std::size_t>(group.tensor)];
+      Lanes counted{};
+      for (std::size_t l = 0; l < static_cast<std::size_t>(group.count); ++l) counted[l] = 1;
+      evaluate_tensor(degrees_, polynomials_of(group).of, tensor, group.tensor, work);
+      contract_tensor(degrees_, tensor.count, work, [&](int first, int count, TensorWide* points) {
+        for (int q = 0; q < count; ++q)
+          stress(group.first_block + first + q,
+                 wide(counted) * wide(tensor.weights[static_cast<std::size_t>(first + q)]), points[q]);
+      });
+    } else {
+      contract_points(degrees_, polynomials_of(group).of, own_points(group), work.u, work,
+                      [&](std::int64_t b, const OwnPoints& points, TensorWide& H) {
+                        stress(group.first_block + b, wide(points.weight), H);
+                      });
+    }
     stress.finish(group.spans.data(), extremes);
     for (std::size_t k = 0; k < size; k += lanes) {
       Wide block[lanes];
+#pragma GCC unroll 8
       for (std::size_t l = 0; l < lanes; ++l) block[l] = work.f[k + l];
       transpose(block);
+#pragma GCC unroll 8
       for (std::size_t l = 0; l < lanes; ++l) store_wide(block[l], work.scratch + l * Work::padded + k);
     }
     for (std::size_t l = 0; l < static_cast<std::size_t>(group.count); ++l)
@@ -122,15 +133,9 @@ template <class Degrees> class SpanKernel final : public InternalForces {
 
   void visit_points(const PointSpan& span, const double* u, double* f, Work& work, PointStress& stress,
                     PointExtremes& extremes) {
-    const auto line = static_cast<std::size_t>(3 * (degrees_.u + 1));
-    const std::size_t size = line * num_rows();
-    const std::int64_t* rows = rows_of(span.span);
-    for (std::size_t r = 0; r < num_rows(); ++r) std::copy_n(u + 3 * rows[r], line, work.scratch + r * line);
-    const SpanPolynomials* const polynomials[3] = {polynomials_of(span, 0), polynomials_of(span, 1),
-                                                   polynomials_of(span, 2)};
-    const auto own = std::span(plan_.own_points)
-                         .subspan(static_cast<std::size_t>(span.first_own), static_cast<std::size_t>(span.blocks));
-    contract_points(degrees_, polynomials, own, work.scratch, work,
+    const std::size_t size = static_cast<std::size_t>(3 * (degrees_.u + 1)) * num_rows();
+    copy_rows(span.span, u, work.scratch);
+    contract_points(degrees_, polynomials_of(span).of, own_points(span), work.scratch, work,
                     [&](std::int64_t b, const OwnPoints& points, TensorWide& H) {
                       stress(span.first_block + b, wide(points.weight), H);
                     });
@@ -139,22 +144,44 @@ template <class Degrees> class SpanKernel final : public InternalForces {
     stress.finish(owner.data(), extremes);
     for (std::size_t k = 0; k < size; k += lanes) {
       Wide block[lanes];
+#pragma GCC unroll 8
       for (std::size_t l = 0; l < lanes; ++l) block[l] = work.f[k + l];
       store_wide(lane_sums(block), work.scratch + k);
     }
     add_rows(span.span, work.scratch, f);
   }
 
-  const SpanPolynomials* polynomials_of(const PointSpan& span, std::size_t d) const {
-    return &plan_.polynomials[static_cast<std::size_t>(span.polynomials[d])];
+  struct DirectionPolynomials {
+    const SpanPolynomials* const of[3];
+  };
+  template <class Spans> DirectionPolynomials polynomials_of(const Spans& spans) const {
+    const SpanPolynomials* const list = plan_.polynomials.data();
+    return {{list + spans.polynomials[0], list + spans.polynomials[1], list + spans.polynomials[2]}};
+  }
+  template <class Spans> std::span<const OwnPoints> own_points(const Spans& spans) const {
+    return std::span(plan_.own_points)
+        .subspan(static_cast<std::size_t>(spans.first_own), static_cast<std::size_t>(spans.blocks));
   }
 
+  // Coefficients of a span, row after row; in whole registers.
+  [[gnu::always_inline]] void copy_rows(std::int32_t span, const double* u, double* to) const {
+    const auto line = static_cast<std::size_t>(3 * (degrees_.u + 1));
+    const std::int64_t* rows = rows_of(span);
+    for (std::size_t r = 0; r < num_rows(); ++r, to += line) {
+      const double* from = u + 3 * rows[r];
+      std::size_t k = 0;
+      for (; k + lanes <= line; k += lanes) store_wide(load_wide(from + k), to + k);
+      for (; k < line; ++k) to[k] = from[k];
+    }
+  }
   [[gnu::always_inline]] void add_rows(std::int32_t span, const double* from, double* f) const {
     const auto line = static_cast<std::size_t>(3 * (degrees_.u + 1));
     const std::int64_t* rows = rows_of(span);
-    for (std::size_t r = 0; r < num_rows(); ++r) {
+    for (std::size_t r = 0; r < num_rows(); ++r, from += line) {
       double* to = f + 3 * rows[r];
-      for (std::size_t k = 0; k < line; ++k) to[k] += from[r * line + k];
+      std::size_t k = 0;
+      for (; k + lanes <= line; k += lanes) store_wide(load_wide(to + k) + load_wide(from + k), to + k);
+      for (; k < line; ++k) to[k] += from[k];
     }
   }
 

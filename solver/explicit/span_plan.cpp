@@ -1,25 +1,18 @@
 #include "solver/explicit/span_plan.hpp"
 
 #include "solver/light_functions.hpp"
+#include "solver/tensor_gradients.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
-#include <optional>
 
 namespace iga::solve {
 
 namespace {
 
-// Positions in the span are told apart to 1e-9 of its size, far above rounding and far below any difference of rules.
+// Places in the span count as one within 1e-9 of its size, far above rounding and far below any difference of rules.
 constexpr double same_place = 1e-9;
-
-// A span's points as a tensor product.
-struct TensorPoints {
-  std::array<std::vector<double>, 3> t; // ascending
-  std::vector<std::int64_t> order;      // (size): number of the point in the span, u fastest
-};
 
 // Numbers the polynomials of a model as they turn up.
 class PolynomialList {
@@ -56,66 +49,35 @@ std::vector<double> local_points(const SplineGrid& grid, const Index3& span, std
   return t;
 }
 
-std::optional<TensorPoints> as_tensor(const std::vector<double>& t) {
-  TensorPoints tensor;
-  for (std::size_t d = 0; d < 3; ++d) {
-    auto& list = tensor.t[d];
-    for (std::size_t q = d; q < t.size(); q += 3) list.push_back(t[q]);
-    std::sort(list.begin(), list.end());
-    list.erase(std::unique(list.begin(), list.end(), [](double a, double b) { return b - a < same_place; }),
-               list.end());
-  }
-  const std::size_t n[3] = {tensor.t[0].size(), tensor.t[1].size(), tensor.t[2].size()};
-  if (3 * n[0] * n[1] * n[2] != t.size() || n[0] > max_row_points) return {};
-  tensor.order.assign(t.size() / 3, -1);
-  for (std::size_t q = 0; q < t.size() / 3; ++q) {
-    std::size_t place[3];
-    for (std::size_t d = 0; d < 3; ++d) {
-      const auto& list = tensor.t[d];
-      place[d] = static_cast<std::size_t>(std::lower_bound(list.begin(), list.end(), t[3 * q + d] - same_place) -
-                                          list.begin());
-      if (place[d] == list.size()) return {};
-    }
-    auto& number = tensor.order[place[0] + n[0] * (place[1] + n[1] * place[2])];
-    if (number >= 0) return {};
-    number = static_cast<std::int64_t>(q);
-  }
-  return tensor;
+// Costs in multiply-adds of eight lanes, forces included: to tell which way a few spans go faster.
+double functions_of(const std::array<int, 3>& p) {
+  return (p[0] + 1.0) * (p[1] + 1.0) * (p[2] + 1.0);
 }
-
-double evaluate(const double* coefficients, int degree, double t) {
-  double y = coefficients[degree];
-  for (int k = degree - 1; k >= 0; --k) y = y * t + coefficients[k];
-  return y;
-}
-
-TensorTable make_table(const std::array<int, 3>& degree, const std::vector<SpanPolynomials>& polynomials,
-                       const std::array<std::int32_t, 3>& numbers, const TensorPoints& tensor,
-                       std::span<const double> weights) {
-  TensorTable table;
-  for (std::size_t d = 0; d < 3; ++d) {
-    table.count[d] = static_cast<int>(tensor.t[d].size());
-    const SpanPolynomials& p = polynomials[static_cast<std::size_t>(numbers[d])];
-    for (const double t : tensor.t[d])
-      for (std::size_t a = 0; a <= static_cast<std::size_t>(degree[d]); ++a) {
-        table.values[d].push_back(evaluate(p.value[a], degree[d], t));
-        table.slopes[d].push_back(evaluate(p.slope[a], degree[d], t));
-      }
-  }
-  for (const std::int64_t q : tensor.order) table.weights.push_back(weights[static_cast<std::size_t>(q)]);
-  return table;
-}
-
-// Fused multiply-adds of Lanes of one evaluation, forces included: to tell which way a few spans go faster.
-double group_cost(const std::array<int, 3>& p, const TensorTable& table) {
+double tensor_cost(const std::array<int, 3>& p, const std::array<int, 3>& n) {
   const double w[3] = {p[0] + 1.0, p[1] + 1.0, p[2] + 1.0};
-  const auto& n = table.count;
   return 2.0 * n[2] * (6 * w[0] * w[1] * w[2] + n[1] * (9 * w[0] * w[1] + n[0] * 9 * w[0]));
 }
-double point_cost(const std::array<int, 3>& p, int points) {
+double block_cost(const std::array<int, 3>& p) {
   const double w[3] = {p[0] + 1.0, p[1] + 1.0, p[2] + 1.0};
-  return 2.0 * ((points + 7) / 8) * (6 * w[0] * w[1] * w[2] + 9 * w[1] * w[2] + 9 * w[2]);
+  return 2.0 * (6 * w[0] * w[1] * w[2] + 9 * w[1] * w[2] + 9 * w[2]);
 }
+// Coefficients and forces of eight spans turned into lanes and back; forces of one span summed over its lanes.
+double exchange_cost(const std::array<int, 3>& p) {
+  return 18 * functions_of(p);
+}
+double sum_cost(const std::array<int, 3>& p) {
+  return 12 * functions_of(p);
+}
+double own_cost(const std::array<int, 3>& p, std::size_t points) {
+  return static_cast<double>((points + lanes - 1) / lanes) * block_cost(p) + sum_cost(p);
+}
+
+// What decides whether spans may share a group with a tensor.
+struct TensorKind {
+  std::array<std::int32_t, 3> polynomials{};
+  std::array<int, 3> count{};
+  auto operator<=>(const TensorKind&) const = default;
+};
 
 class Planner {
  public:
@@ -127,7 +89,6 @@ class Planner {
 
   SpanPlan make() {
     choose_edges();
-    find_tables();
     const Index3 n = block_counts();
     std::vector<std::vector<std::int64_t>> members(static_cast<std::size_t>(n[0] * n[1] * n[2]));
     for (std::int64_t a = 0; a < space_.num_spans(); ++a) {
@@ -159,7 +120,7 @@ class Planner {
     return n;
   }
 
-  // Large blocks fill groups of eight better, many blocks feed more threads.
+  // Large blocks fill groups of eight better, many blocks feed more threads: the smallest that hold enough spans.
   void choose_edges() {
     lower_ = upper_ = index(0);
     for (std::int64_t a = 1; a < space_.num_spans(); ++a)
@@ -167,118 +128,190 @@ class Planner {
         lower_[d] = std::min(lower_[d], index(a)[d]);
         upper_[d] = std::max(upper_[d], index(a)[d]);
       }
-    constexpr std::int64_t enough = 512;
+    constexpr std::int64_t enough = 80;
     static_assert(max_degree <= 4);
-    for (const Index3& edge : {Index3{16, 8, 8}, Index3{8, 8, 8}, Index3{8, 8, 4}, Index3{8, 4, 4}}) {
+    for (const Index3& edge : {Index3{8, 4, 4}, Index3{8, 8, 4}, Index3{8, 8, 8}}) {
       edge_ = edge;
-      const Index3 n = block_counts();
-      if (n[0] * n[1] * n[2] >= enough) break;
-    }
-  }
-
-  // Table of each interior span, -1 for spans that go point by point.
-  void find_tables() {
-    std::map<std::vector<std::int64_t>, std::int32_t> known;
-    table_of_.assign(model_.active.size(), -1);
-    for (std::int64_t a = 0; a < space_.num_spans(); ++a) {
-      const auto s = static_cast<std::size_t>(a);
-      const auto weights = span_weights(model_, a);
-      if (static_cast<SpanState>(model_.state[static_cast<std::size_t>(model_.active[s])]) != SpanState::Interior ||
-          space_.fictitious_share(a) > 0 || weights.empty())
-        continue;
-      const auto tensor = as_tensor(local_points(model_.grid, index(a), span_parameters(model_, a)));
-      if (!tensor) continue;
-      const auto numbers = list_.of(index(a));
-      std::vector<std::int64_t> key(numbers.begin(), numbers.end());
-      for (const auto& list : tensor->t) {
-        key.push_back(static_cast<std::int64_t>(list.size()));
-        for (const double t : list) key.push_back(std::llround(t / same_place));
-      }
-      for (const std::int64_t q : tensor->order)
-        key.push_back(std::llround(weights[static_cast<std::size_t>(q)] / (model_.grid.span_volume() * same_place)));
-      const auto [it, is_new] = known.try_emplace(std::move(key), static_cast<std::int32_t>(plan_.tables.size()));
-      if (is_new) plan_.tables.push_back(make_table(plan_.degree, plan_.polynomials, numbers, *tensor, weights));
-      table_of_[s] = it->second;
+      std::map<Index3, int> used;
+      for (std::int64_t a = 0; a < space_.num_spans(); ++a) used[block_of(a)] = 1;
+      if (space_.num_spans() >= enough * static_cast<std::int64_t>(used.size())) break;
     }
   }
 
   void add_block(const std::vector<std::int64_t>& spans) {
     WorkBlock block;
-    std::map<std::int32_t, std::vector<std::int64_t>> by_table;
-    std::vector<std::int64_t> own;
+    std::map<TensorKind, std::vector<std::int64_t>> tensors;
+    std::vector<std::int64_t> others;
     for (const std::int64_t a : spans) {
-      const std::int32_t table = table_of_[static_cast<std::size_t>(a)];
-      if (table >= 0)
-        by_table[table].push_back(a);
+      SpanPointStorage storage;
+      const SpanPoints points = span_points(space_, a, storage);
+      if (points.weights.empty()) continue; // generalised rules leave spans without points
+      TensorPoints tensor;
+      if (as_tensor(points, tensor) && fits(tensor))
+        tensors[{list_.of(index(a)), counts(tensor)}].push_back(a);
       else
-        own.push_back(a);
+        others.push_back(a);
     }
     block.groups[0] = static_cast<std::int64_t>(plan_.groups.size());
-    for (const auto& [number, members] : by_table) {
-      const TensorTable& table = plan_.tables[static_cast<std::size_t>(number)];
+    const auto& p = plan_.degree;
+    for (const auto& [kind, members] : tensors)
       for (std::size_t first = 0; first < members.size(); first += lanes) {
-        const std::size_t count = std::min(lanes, members.size() - first);
-        const auto part = std::span(members).subspan(first, count);
-        if (static_cast<double>(count) * point_cost(plan_.degree, table.size()) < group_cost(plan_.degree, table))
-          own.insert(own.end(), part.begin(), part.end());
+        const auto part = std::span(members).subspan(first, std::min(lanes, members.size() - first));
+        const int size = kind.count[0] * kind.count[1] * kind.count[2];
+        const double others_cost = (size * block_cost(p) + exchange_cost(p)) / lanes;
+        if (tensor_cost(p, kind.count) + exchange_cost(p) < static_cast<double>(part.size()) * others_cost)
+          add_tensor_group(kind, part);
         else
-          add_group(number, part);
+          others.insert(others.end(), part.begin(), part.end());
       }
-    }
-    block.groups[1] = static_cast<std::int64_t>(plan_.groups.size());
     block.point_spans[0] = static_cast<std::int64_t>(plan_.point_spans.size());
-    std::sort(own.begin(), own.end());
-    for (const std::int64_t a : own) add_point_span(a);
+    add_others(others);
     block.point_spans[1] = static_cast<std::int64_t>(plan_.point_spans.size());
+    block.groups[1] = static_cast<std::int64_t>(plan_.groups.size());
     plan_.blocks.push_back(block);
   }
 
-  void add_group(std::int32_t table, std::span<const std::int64_t> members) {
+  static bool fits(const TensorPoints& tensor) {
+    return std::all_of(tensor.position.begin(), tensor.position.end(),
+                       [](const auto& list) { return list.size() <= max_row_points; });
+  }
+  static std::array<int, 3> counts(const TensorPoints& tensor) {
+    return {static_cast<int>(tensor.position[0].size()), static_cast<int>(tensor.position[1].size()),
+            static_cast<int>(tensor.position[2].size())};
+  }
+  std::size_t num_points(std::int64_t a) const {
+    SpanPointStorage storage;
+    return span_points(space_, a, storage).weights.size();
+  }
+
+  // Spans without a common tensor: those with equally many points side by side, and the few that fill no group alone.
+  void add_others(const std::vector<std::int64_t>& spans) {
+    std::map<std::array<std::int32_t, 3>, std::vector<std::pair<std::size_t, std::int64_t>>> by_polynomials;
+    for (const std::int64_t a : spans) by_polynomials[list_.of(index(a))].emplace_back(num_points(a), a);
+    for (auto& [polynomials, members] : by_polynomials) {
+      std::sort(members.begin(), members.end());
+      for (std::size_t first = 0; first < members.size(); first += lanes) {
+        const auto part = std::span(members).subspan(first, std::min(lanes, members.size() - first));
+        double alone = 0;
+        for (const auto& [n, a] : part) alone += own_cost(plan_.degree, n);
+        const auto most = static_cast<double>(part.back().first);
+        if (most * block_cost(plan_.degree) + exchange_cost(plan_.degree) < alone)
+          add_lane_group(polynomials, part);
+        else
+          for (const auto& [n, a] : part) add_point_span(polynomials, a);
+      }
+    }
+  }
+
+  // A tensor of eight spans, known or new.
+  std::int32_t number_of(const LaneTensor& tensor) {
+    std::vector<std::int64_t> key(tensor.polynomials.begin(), tensor.polynomials.end());
+    key.insert(key.end(), tensor.count.begin(), tensor.count.end());
+    const auto add = [&](const std::vector<Lanes>& values, double unit) {
+      for (const Lanes& x : values)
+        for (std::size_t l = 0; l < lanes; ++l) key.push_back(std::llround(x[l] / (unit * same_place)));
+    };
+    for (const auto& list : tensor.t) add(list, 1);
+    add(tensor.weights, model_.grid.span_volume());
+    const auto [it, is_new] = known_.try_emplace(std::move(key), static_cast<std::int32_t>(plan_.tensors.size()));
+    if (is_new) plan_.tensors.push_back(tensor);
+    return it->second;
+  }
+
+  SpanGroup new_group(const std::array<std::int32_t, 3>& polynomials, std::size_t spans, std::size_t blocks) const {
     SpanGroup group;
-    group.table = table;
-    group.count = static_cast<std::int32_t>(members.size());
+    group.count = static_cast<std::int32_t>(spans);
+    group.blocks = static_cast<std::int32_t>(blocks);
+    group.polynomials = polynomials;
     group.first_block = plan_.num_point_blocks();
-    std::array<TensorPoints, lanes> tensors;
+    group.first_own = static_cast<std::int64_t>(plan_.own_points.size());
+    return group;
+  }
+
+  // Number of the q-th point of the a-th span in the model; -1 for fictitious material, which comes after its points.
+  std::int64_t number_in_model(std::int64_t a, std::size_t q) const {
+    const auto s = static_cast<std::size_t>(a);
+    const std::int64_t number = model_.points.offsets[s] + static_cast<std::int64_t>(q);
+    return number < model_.points.offsets[s + 1] ? number : -1;
+  }
+
+  void add_tensor_group(const TensorKind& kind, std::span<const std::int64_t> members) {
+    const auto size = static_cast<std::size_t>(kind.count[0] * kind.count[1] * kind.count[2]);
+    SpanGroup group = new_group(kind.polynomials, members.size(), size);
+    LaneTensor tensor{kind.polynomials, kind.count, {}, std::vector<Lanes>(size)};
+    for (std::size_t d = 0; d < 3; ++d) tensor.t[d].resize(static_cast<std::size_t>(kind.count[d]));
+    plan_.point.resize(plan_.point.size() + lanes * size, -1);
+    auto* const numbers = plan_.point.data() + static_cast<std::int64_t>(lanes) * group.first_block;
+    const std::size_t steps[3] = {1, tensor.t[0].size(), tensor.t[0].size() * tensor.t[1].size()};
     for (std::size_t l = 0; l < lanes; ++l) {
       const std::int64_t a = members[std::min(l, members.size() - 1)];
       group.spans[l] = static_cast<std::int32_t>(a);
-      tensors[l] = *as_tensor(local_points(model_.grid, index(a), span_parameters(model_, a)));
-    }
-    const auto size = static_cast<std::size_t>(plan_.tables[static_cast<std::size_t>(table)].size());
-    for (std::size_t q = 0; q < size; ++q)
-      for (std::size_t l = 0; l < lanes; ++l) {
-        const std::int64_t first = model_.points.offsets[static_cast<std::size_t>(group.spans[l])];
-        plan_.point.push_back(l < members.size() ? first + tensors[l].order[q] : -1);
+      SpanPointStorage storage;
+      const auto [parameters, weights] = span_points(space_, a, storage);
+      const std::vector<double> t = local_points(model_.grid, index(a), parameters);
+      for (std::size_t d = 0; d < 3; ++d)
+        for (std::size_t i = 0; i < tensor.t[d].size(); ++i) tensor.t[d][i][l] = t[3 * i * steps[d] + d];
+      for (std::size_t q = 0; q < size; ++q) {
+        tensor.weights[q][l] = weights[q];
+        if (l < members.size()) numbers[lanes * q + l] = number_in_model(a, q);
       }
+    }
+    group.tensor = number_of(tensor);
     plan_.num_points += static_cast<std::int64_t>(size * members.size());
-    plan_.num_group_points += static_cast<std::int64_t>(size * members.size());
+    plan_.num_tensor_points += static_cast<std::int64_t>(size * members.size());
     plan_.groups.push_back(group);
   }
 
-  void add_point_span(std::int64_t a) {
+  // Puts the q-th point of a span into a lane; beyond its last one, that one again with weight 0.
+  void put_point(std::int64_t a, const SpanPoints& points, std::size_t q, bool counts, std::size_t lane,
+                 OwnPoints& block, std::int64_t& number) const {
+    const std::size_t n = points.weights.size(), k = std::min(q, n - 1);
+    const std::vector<double> t = local_points(model_.grid, index(a), points.parameters.subspan(3 * k, 3));
+    for (std::size_t d = 0; d < 3; ++d) block.t[d][lane] = t[d];
+    const bool own = counts && q < n;
+    block.weight[lane] = own ? points.weights[k] : 0;
+    number = own ? number_in_model(a, k) : -1;
+  }
+
+  void add_lane_group(const std::array<std::int32_t, 3>& polynomials,
+                      std::span<const std::pair<std::size_t, std::int64_t>> members) {
+    const std::size_t size = members.back().first;
+    SpanGroup group = new_group(polynomials, members.size(), size);
+    plan_.point.resize(plan_.point.size() + lanes * size, -1);
+    plan_.own_points.resize(plan_.own_points.size() + size);
+    auto* const numbers = plan_.point.data() + static_cast<std::int64_t>(lanes) * group.first_block;
+    auto* const own = plan_.own_points.data() + group.first_own;
+    for (std::size_t l = 0; l < lanes; ++l) {
+      const bool counts = l < members.size();
+      const auto [n, a] = members[counts ? l : members.size() - 1];
+      group.spans[l] = static_cast<std::int32_t>(a);
+      SpanPointStorage storage;
+      const SpanPoints points = span_points(space_, a, storage);
+      for (std::size_t q = 0; q < size; ++q) put_point(a, points, q, counts, l, own[q], numbers[lanes * q + l]);
+      if (counts) plan_.num_lane_points += static_cast<std::int64_t>(n);
+      if (counts) plan_.num_points += static_cast<std::int64_t>(n);
+    }
+    plan_.groups.push_back(group);
+  }
+
+  void add_point_span(const std::array<std::int32_t, 3>& polynomials, std::int64_t a) {
     SpanPointStorage storage;
-    const auto [parameters, weights] = span_points(space_, a, storage);
-    if (weights.empty()) return; // generalised rules leave spans without points
-    const std::vector<double> t = local_points(model_.grid, index(a), parameters);
-    const std::size_t n = weights.size();
-    const auto s = static_cast<std::size_t>(a);
-    const auto of_model = static_cast<std::size_t>(model_.points.offsets[s + 1] - model_.points.offsets[s]);
+    const SpanPoints points = span_points(space_, a, storage);
+    const std::size_t n = points.weights.size();
     PointSpan span;
     span.span = static_cast<std::int32_t>(a);
     span.blocks = static_cast<std::int32_t>((n + lanes - 1) / lanes);
-    span.polynomials = list_.of(index(a));
+    span.polynomials = polynomials;
     span.first_block = plan_.num_point_blocks();
     span.first_own = static_cast<std::int64_t>(plan_.own_points.size());
     for (std::size_t first = 0; first < n; first += lanes) {
-      OwnPoints points;
+      OwnPoints block;
       for (std::size_t l = 0; l < lanes; ++l) {
-        const std::size_t q = std::min(first + l, n - 1);
-        const bool padding = first + l >= n;
-        for (std::size_t d = 0; d < 3; ++d) points.t[d][l] = t[3 * q + d];
-        points.weight[l] = padding ? 0 : weights[q];
-        plan_.point.push_back(padding || q >= of_model ? -1 : model_.points.offsets[s] + static_cast<std::int64_t>(q));
+        std::int64_t number = -1;
+        put_point(a, points, first + l, true, l, block, number);
+        plan_.point.push_back(number);
       }
-      plan_.own_points.push_back(points);
+      plan_.own_points.push_back(block);
     }
     plan_.num_points += static_cast<std::int64_t>(n);
     plan_.point_spans.push_back(span);
@@ -289,7 +322,7 @@ class Planner {
   SpanPlan plan_;
   PolynomialList list_;
   Index3 lower_{}, upper_{}, edge_{};
-  std::vector<std::int32_t> table_of_;
+  std::map<std::vector<std::int64_t>, std::int32_t> known_; // numbers of the tensors
 };
 
 } // namespace
@@ -297,10 +330,12 @@ class Planner {
 double contraction_flops(const SpanPlan& plan) {
   double lanes_of_fma = 0;
   for (const SpanGroup& group : plan.groups)
-    lanes_of_fma += group.count * group_cost(plan.degree, plan.tables[static_cast<std::size_t>(group.table)]);
+    if (group.tensor >= 0)
+      lanes_of_fma +=
+          group.count * tensor_cost(plan.degree, plan.tensors[static_cast<std::size_t>(group.tensor)].count);
   const auto& p = plan.degree;
   const double polynomials = (p[0] + 1) * (2 * p[0] - 1) + (p[1] + 1) * (2 * p[1] - 1) + (p[2] + 1) * (2 * p[2] - 1);
-  lanes_of_fma += static_cast<double>(plan.num_points - plan.num_group_points) * (point_cost(p, 1) + polynomials);
+  lanes_of_fma += static_cast<double>(plan.num_points - plan.num_tensor_points) * (block_cost(p) + polynomials);
   return 2 * lanes_of_fma;
 }
 

@@ -1,9 +1,10 @@
 // Which quadrature points are worked on side by side, with which shape functions, and in which order: the plan of one
 // evaluation of internal forces, made once.
 //
-// Interior spans whose points lie alike (Gauss, generalised Gauss at the same place of its pattern) share tables of
-// univariate values and go eight spans at a time. All other spans go one by one, eight of their points at a time; their
-// shape functions are evaluated anew from the points' parameters.
+// Spans go eight at a time, one per lane, each with places of its own. Where their points are tensor products of as
+// many points per direction (Gauss, generalised Gauss, boxes cut from a span) they are contracted direction by
+// direction, else point by point. The few spans that are left over go one by one, eight of their points at a time.
+// Shape functions are evaluated anew in every step: they cost less than reading them.
 #pragma once
 
 #include "format/model/simd.hpp"
@@ -14,24 +15,28 @@
 
 namespace iga::solve {
 
-/// Most points along u that a table may have.
-constexpr std::size_t max_row_points = 16;
+/// Most points per direction of a tensor product.
+constexpr std::size_t max_row_points = 8;
 
-/// Points that are the tensor product of one list per direction, in a span.
-struct TensorTable {
+/// Points of eight spans that are tensor products, all with as many points per direction.
+struct LaneTensor {
+  std::array<std::int32_t, 3> polynomials{}; ///< of SpanPlan::polynomials
   std::array<int, 3> count{};                ///< points per direction
-  std::array<std::vector<double>, 3> values; ///< (count[d] × p[d] + 1), row-major
-  std::array<std::vector<double>, 3> slopes; ///< d/du of them, 1/length
-  std::vector<double> weights;               ///< (count[2], count[1], count[0]), u fastest; length³
+  std::array<std::vector<Lanes>, 3> t;       ///< (count[d]): places in the spans, 0 … 1
+  std::vector<Lanes> weights;                ///< (count[2], count[1], count[0]), u fastest; length³
   int size() const { return count[0] * count[1] * count[2]; }
 };
 
-/// Up to eight interior spans of one table. Block `first_block + q` of the points holds point q of each of them.
+/// Up to eight spans. Block `first_block + q` of the points holds point q of each of them; spans with fewer points than
+/// others repeat their last one with weight 0.
 struct SpanGroup {
-  std::int32_t table = 0;
   std::int32_t count = 0;                  ///< spans; the last one is repeated in the lanes beyond
   std::array<std::int32_t, lanes> spans{}; ///< active spans
+  std::int32_t tensor = -1;                ///< of SpanPlan::tensors; -1: own points
+  std::int32_t blocks = 0;                 ///< of points
+  std::array<std::int32_t, 3> polynomials{};
   std::int64_t first_block = 0;
+  std::int64_t first_own = 0; ///< of SpanPlan::own_points; without a tensor
 };
 
 /// A span with points of its own, in `blocks` blocks of eight; the last point is repeated, with weight 0, in the lanes
@@ -44,9 +49,9 @@ struct PointSpan {
   std::int64_t first_own = 0; ///< of SpanPlan::own_points
 };
 
-/// Eight points of a PointSpan.
+/// Eight points: of one span, or one of each of eight spans.
 struct OwnPoints {
-  Lanes t[3]; ///< place in the span, 0 … 1
+  Lanes t[3]; ///< places in their spans, 0 … 1
   Lanes weight;
 };
 
@@ -58,7 +63,7 @@ struct WorkBlock {
 
 struct SpanPlan {
   std::array<int, 3> degree{};
-  std::vector<TensorTable> tables;
+  std::vector<LaneTensor> tensors; ///< each once
   std::vector<SpanPolynomials> polynomials;
   std::vector<SpanGroup> groups;
   std::vector<PointSpan> point_spans;
@@ -69,14 +74,15 @@ struct SpanPlan {
   std::vector<std::int64_t> point;          ///< (8 num_blocks): number in model().points, -1 for padding and for
                                             ///< fictitious material
   std::int64_t num_points = 0;              ///< padding not counted
-  std::int64_t num_group_points = 0;        ///< of them in groups
+  std::int64_t num_tensor_points = 0;       ///< of them in groups with a tensor
+  std::int64_t num_lane_points = 0;         ///< of them in groups without
   std::int64_t num_point_blocks() const { return static_cast<std::int64_t>(point.size() / lanes); }
 };
 
 SpanPlan make_span_plan(const SolutionSpace& space);
 
-/// Floating-point operations of one evaluation outside the material law, padding lanes not counted: shape functions of
-/// points in trimmed spans, gradients, forces.
+/// Floating-point operations of one evaluation outside the material law, padding lanes not counted: gradients and
+/// forces, shape functions of points without a tensor.
 double contraction_flops(const SpanPlan& plan);
 
 } // namespace iga::solve

@@ -17,7 +17,7 @@ struct Wide {
 }
 [[gnu::always_inline]] inline Wide wide(const Lanes& x) {
   Wide y;
-  std::memcpy(&y, &x, sizeof(y));
+  for (int k = 0; k < num_packs; ++k) y.p[k] = load(x, k);
   return y;
 }
 [[gnu::always_inline]] inline void store(Lanes& x, const Wide& y) {

@@ -1,7 +1,9 @@
 // explicit_bench: point updates per second of the explicit kernel, by law, kind of span and degree; fraction of the
 // core's f64 peak; gain of a second thread. CPU time, so that other work on the machine disturbs little; best of
-// several runs. Arguments: spans along an edge (default 24), seconds per measurement (default 0.2).
-#include "solver/explicit/internal_forces.hpp"
+// several runs. Arguments: spans along an edge (default 24; 0: none of these), seconds per measurement (default 0.2),
+// model files of igaprep: points and whole steps per second with the rules that they hold.
+#include "format/io/trimmed_model_io.hpp"
+#include "solver/explicit/integrator.hpp"
 #include "tests/support/synthetic_model.hpp"
 
 #include <fmt/format.h>
@@ -112,6 +114,50 @@ Rate measure(InternalForces& forces, const std::vector<double>& u, int threads, 
   return best;
 }
 
+// One part of a user: how its points are worked on, what they and whole steps cost on one core, and the time that the
+// limit of the time step takes. Units of the model do not matter.
+void run_model(const char* path, double seconds) {
+  const TrimmedModel model = io::read_model(path);
+  const Point3 h = model.grid.span_size();
+  for (const auto& [name, law] : {std::pair<const char*, Law>{"neo-Hookean", neo_hookean(1, 0.3, 1)},
+                                  std::pair<const char*, Law>{"foam", foam()}}) {
+    ExplicitBody body(model, {.name = "part", .light = {LightFunctions::Linear, 0.05}}, law);
+    const SpanPlan& plan = body.forces().plan();
+    const auto points = static_cast<double>(plan.num_points);
+    std::vector<double> u(3 * model.active_functions.size());
+    for (std::size_t k = 0; k < u.size(); ++k) u[k] = 0.01 * h[0] * std::sin(1.3 * static_cast<double>(k));
+    const Rate one = measure(body.forces(), u, 1, seconds);
+    const double before = cpu_seconds();
+    const StartStep limit = body.start_step();
+    const double start = cpu_seconds() - before;
+    body.set_velocity([&](const Point3& x) {
+      const double size = 1e-3 * h[0] / limit.dt;
+      return Point3{size * std::sin(x[1] / h[1]), size * std::sin(x[2] / h[2]), size * std::sin(x[0] / h[0])};
+    });
+    Integrator integrator({&body}, {.end_time = 1e30});
+    integrator.start({limit});
+    double best = 0;
+    tbb::task_arena(1).execute([&] {
+      for (int repeat = 0; repeat < 5; ++repeat) {
+        const double cpu = cpu_seconds();
+        double steps = 0;
+        for (; cpu_seconds() - cpu < seconds / 5; ++steps) integrator.step();
+        best = std::max(best, steps / (cpu_seconds() - cpu));
+      }
+    });
+    const auto share = [&](std::int64_t part) { return 100 * static_cast<double>(part) / points; };
+    fmt::print(
+        "{} {}: {:.0f} points ({:.0f} % in tensors, {:.0f} % lane by lane, {:.0f} % in single spans; {:.0f} % of "
+        "the lanes used), {} functions; {:.1f} M points/s, {:.0f} B/point; {:.0f} steps/s of {:.0f} forces/s; "
+        "limit of the step ({} products) {:.2f} s\n",
+        path, name, points, share(plan.num_tensor_points), share(plan.num_lane_points),
+        share(plan.num_points - plan.num_tensor_points - plan.num_lane_points),
+        100 * points / static_cast<double>(lanes) / static_cast<double>(plan.num_point_blocks()),
+        model.active_functions.size(), 1e-6 * one.by_cpu, static_cast<double>(body.forces().memory()) / points, best,
+        one.by_cpu / points, limit.products, start);
+  }
+}
+
 void run(std::int64_t n, double seconds) {
   const double peak = measure_peak();
   fmt::print("f64 peak of a core with this build: {:.0f} GFLOP/s\n", 1e-9 * peak);
@@ -146,6 +192,14 @@ void run(std::int64_t n, double seconds) {
 } // namespace iga::bench
 
 int main(int argc, char** argv) {
-  iga::bench::run(argc > 1 ? std::atoll(argv[1]) : 24, argc > 2 ? std::atof(argv[2]) : 0.2);
+  const long long n = argc > 1 ? std::atoll(argv[1]) : 24;
+  const double seconds = argc > 2 ? std::atof(argv[2]) : 0.2;
+  if (n > 0) iga::bench::run(n, seconds);
+  try {
+    for (int k = 3; k < argc; ++k) iga::bench::run_model(argv[k], seconds);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return 1;
+  }
   return 0;
 }
