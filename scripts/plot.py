@@ -3,6 +3,8 @@
 
   scripts/plot.py spectrum modes.h5 [more.h5 ...] [-o spectrum.png]    frequencies over mode numbers, rigid modes marked
   scripts/plot.py convergence errors.csv [-o errors.png] [--fit 3]     errors over span sizes, log-log, with fitted rates
+  scripts/plot.py force run.h5 [more.h5 ...] [--contact NAME] [--mean 0.2]   contact force over time, means of a window
+  scripts/plot.py energy run.h5                                        energies of an explicit run over time
 
 A CSV file of errors has a header; its first column is the span size (or a number of unknowns), every other one a series of
 errors, named by its header. Empty entries are left out. The rate is fitted to the last entries of a series in the order of
@@ -34,7 +36,14 @@ def parse_arguments():
     convergence = kinds.add_parser("convergence", help="errors over span sizes, from a CSV file")
     convergence.add_argument("files", type=Path, nargs=1, help="CSV file")
     convergence.add_argument("--fit", type=int, default=3, help="number of last entries that the rate is fitted to")
-    for kind in (spectrum, convergence):
+    force = kinds.add_parser("force", help="contact force of explicit runs over time")
+    force.add_argument("files", type=Path, nargs="+", help="results files of igasolve explicit")
+    force.add_argument("--contact", help="name of the contact (default: the first one)")
+    force.add_argument("--mean", type=float, help="length of the windows that the force is averaged over (default: end / 40)")
+    force.add_argument("--labels", nargs="+", help="names of the files in the plot (default: the files' own)")
+    energy = kinds.add_parser("energy", help="energies of an explicit run over time")
+    energy.add_argument("files", type=Path, nargs=1, help="results file of igasolve explicit")
+    for kind in (spectrum, convergence, force, energy):
         kind.add_argument("-o", "--output", type=Path, help="picture (.png, .svg, .pdf); default: beside the first file")
         kind.add_argument("--title", help="title of the plot")
     return parser.parse_args()
@@ -164,6 +173,68 @@ def plot_convergence(arguments):
     return figure
 
 
+# --------------------------------------------------------------------------------------------------------- explicit runs
+
+def read_series(path):
+    results = iga_results.read(path)
+    if "/time_series/time" not in results:
+        raise iga_results.FormatError("holds no time series; run igasolve explicit")
+    return results
+
+
+def mean_force(results, contact, window):
+    """Middles of the windows and the magnitude of the mean force in each, from the impulse: no output rate matters."""
+    time, impulse = results["/time_series/time"], results.series(f"contact/{contact}")["impulse"]
+    edges = np.arange(0, time[-1] + 0.5 * window, window)
+    steps = np.diff([np.interp(edges, time, component) for component in impulse.T], axis=1) / window
+    return 0.5 * (edges[1:] + edges[:-1]), np.linalg.norm(steps, axis=0)
+
+
+def plot_force(arguments):
+    every = [read_checked(path, read_series) for path in arguments.files]
+    labels = arguments.labels or [path.stem for path in arguments.files]
+    if len(labels) != len(every):
+        sys.exit(f"plot.py: {len(labels)} labels for {len(every)} files")
+    names = every[0].texts("/time_series/contact_names") if "/time_series/contact_names" in every[0] else []
+    contact = arguments.contact or (names[0] if names else None)
+    if contact not in names:
+        sys.exit(f"plot.py: contact '{contact}' is not in {arguments.files[0]}; it holds {', '.join(names) or 'none'}")
+    window = arguments.mean or every[0]["/time_series/time"][-1] / 40
+    figure, axes = new_plot(arguments.title or f"Contact {contact}: force, means over {window:g}")
+    curves = []
+    for results, label in zip(every, labels):
+        time, force = mean_force(results, contact, window)
+        curves.append(force)
+        impulse = np.linalg.norm(results.series(f"contact/{contact}")["impulse"][-1])
+        axes.plot(time, force, linewidth=1.8, label=f"{label}: peak {force.max():.4g}, impulse {impulse:.4g}")
+    for force, label in zip(curves[:-1], labels):
+        if len(force) == len(curves[-1]):
+            difference = np.linalg.norm(force - curves[-1]) / np.linalg.norm(curves[-1])
+            print(f"plot.py: {label}: relative L2 difference to {labels[-1]}: {difference:.4f}")
+    axes.set_xlabel("time")
+    axes.set_ylabel("force")
+    axes.set_ylim(bottom=0)
+    axes.legend(frameon=False)
+    return figure
+
+
+def plot_energy(arguments):
+    results = read_checked(arguments.files[0], read_series)
+    title = results.attribute("/", "title") or arguments.files[0].stem
+    figure, axes = new_plot(arguments.title or f"{title}: energies")
+    total = 0
+    for name, values in results.series("energy").items():
+        if np.abs(values).max(initial=0) > 0:
+            axes.plot(results["/time_series/time"], values, linewidth=1.6, label=name)
+        total = total + (-values if name == "external" else values)
+    axes.plot(results["/time_series/time"], total, color=TEXT_COLOUR, linestyle="--", linewidth=1.2,
+              label="sum less external work")
+    axes.set_xlabel("time")
+    axes.set_ylabel("energy")
+    axes.legend(frameon=False)
+    return figure
+
+
 def read_checked(path, reader):
     try:
         return reader(path)
@@ -175,7 +246,8 @@ def main():
     arguments = parse_arguments()
     first = arguments.files[0]
     output = arguments.output or first.with_name(f"{first.stem}_{arguments.kind}.png")
-    figure = {"spectrum": plot_spectrum, "convergence": plot_convergence}[arguments.kind](arguments)
+    figure = {"spectrum": plot_spectrum, "convergence": plot_convergence, "force": plot_force,
+              "energy": plot_energy}[arguments.kind](arguments)
     figure.savefig(output)
     print(f"plot.py: wrote {output}")
 

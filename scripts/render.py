@@ -9,6 +9,7 @@ Of results (igasolve eigen part.h5 … -o modes.h5, igasolve static …):
   <modes>_modes.png     the first six elastic modes on one sheet
   <modes>_mode_<n>.png  one mode each, for --mode n (numbers of the results file, the first is 1)
   <static>_static.png   the deformed part
+  <explicit>_frames.png six times of an explicit run, bodies and rigid bodies cut in half, in their true places
 
 Deformations are exaggerated so that the largest displacement is some per cent of the part, or by --scale; the part at rest
 is outlined. Needs h5py, matplotlib and the VTK that python3-paraview brings; without a screen it starts itself again under
@@ -63,8 +64,14 @@ def main():
     folder = arguments.output or arguments.file.parent
     folder.mkdir(parents=True, exist_ok=True)
     if format_name in ("iga-trimmed-solid-results", b"iga-trimmed-solid-results"):
-        import render_results
-        render_results.draw(arguments, folder)
+        with h5py.File(arguments.file) as file:
+            explicit = "time_series" in file
+        if explicit:
+            import render_frames
+            render_frames.draw(arguments, folder)
+        else:
+            import render_results
+            render_results.draw(arguments, folder)
     else:
         import render_model
         render_model.draw(arguments, folder)
