@@ -1,4 +1,4 @@
-"""Pictures of an explicit run for render.py: deformed bodies at six times, cut in half."""
+"""Pictures of an explicit run for render.py: deformed bodies at six times, cut in half or whole."""
 import sys
 import xml.etree.ElementTree as ElementTree
 
@@ -16,8 +16,8 @@ COLOURS = plt.get_cmap("turbo")
 FRAMES, COLUMNS = 6, 3
 TILE = (860, 720)
 RIGID_COLOUR = (0.72, 0.74, 0.77)
-FARTHEST = 1.5  # rigid bodies are drawn where they lie within this much more than half the size of the deformable ones
-QUANTITIES = {"displacement": "|u|", "von_mises": "von Mises stress"}
+FARTHEST = 1.5  # rigid bodies are drawn as far as this much more than half the size of the deformable ones
+QUANTITIES = {"displacement": "|u|", "von_mises": "von Mises stress", "plastic_strain": "equivalent plastic strain"}
 
 
 def read_times(file):
@@ -53,11 +53,6 @@ def points_of(poly):
     return vtk_to_numpy(poly.GetPoints().GetData())
 
 
-def is_near(poly, place, reach):
-    """Planes reach far beyond what is looked at."""
-    return bool((np.abs(points_of(poly) - place) <= reach).all())
-
-
 def half_of(poly, place, direction):
     plane = vtkPlane()
     plane.SetOrigin(*place)
@@ -67,6 +62,17 @@ def half_of(poly, place, direction):
     clip.SetClipFunction(plane)
     clip.Update()
     return clip.GetOutput()
+
+
+def is_near(poly, place, reach):
+    return bool((np.abs(points_of(poly) - place) <= reach).all())
+
+
+def near_part(poly, place, reach):
+    """Planes reach far beyond what is looked at; None where nothing is left."""
+    for direction in np.vstack([np.eye(3), -np.eye(3)]):
+        poly = half_of(poly, place - reach * direction, direction)
+    return poly if poly.GetNumberOfPoints() > 0 else None
 
 
 def coloured(poly, values, norm):
@@ -89,6 +95,7 @@ def draw(arguments, folder):
     top = max(np.percentile(quantity(part, colour), 99.8) for parts in bodies for part in parts) or 1.0
     norm = Normalize(0, top)
     cut, sight = (0.0, 1.0, 0.0), np.array([0.18, 1.0, -0.22])
+    shown = (lambda part: part) if arguments.whole else (lambda part: half_of(part, place, cut))  # noqa: E731
     everything = np.concatenate([points_of(part) for parts in bodies for part in parts])
     everything = np.concatenate([everything] + [points_of(part) for _, parts in frames for part in parts
                                                 if quantity(part, colour) is None and is_near(part, place, reach)])
@@ -103,10 +110,10 @@ def draw(arguments, folder):
         for part in parts:
             values = quantity(part, colour)
             if values is None:
-                if is_near(part, place, reach):
-                    actors.append(actor_of(with_normals(half_of(part, place, cut)), colour=RIGID_COLOUR))
+                if (near := near_part(part, place, reach)) is not None:
+                    actors.append(actor_of(with_normals(shown(near)), colour=RIGID_COLOUR))
                 continue
-            actor = actor_of(with_normals(half_of(coloured(part, values, norm), place, cut)))
+            actor = actor_of(with_normals(shown(coloured(part, values, norm))))
             actor.GetMapper().SetScalarVisibility(True)
             actors.append(actor)
         pixels = picture(actors, sight, (0, 0, 1), np.stack([low, high]), TILE)
@@ -117,7 +124,7 @@ def draw(arguments, folder):
         axes.axis("off")
         figure.text((column + 0.5) * TILE[0] / width, (bottom + 0.55 * caption) / height, f"t = {time:.4g}", fontsize=19,
                     color="#20242a", ha="center", va="center")
-    figure.text(36 / width, 1 - 50 / height, f"{file.stem}: bodies cut in half, in their true places", fontsize=26,
+    figure.text(36 / width, 1 - 50 / height, f"{file.stem}: {'bodies' if arguments.whole else 'bodies cut in half,'} in their true places", fontsize=26,
                 weight="bold", color="#20242a", va="center")
     bar_axes = figure.add_axes([0.32, 70 / height, 0.36, 20 / height])
     bar = figure.colorbar(plt.cm.ScalarMappable(norm, COLOURS), cax=bar_axes, orientation="horizontal", extend="max")
