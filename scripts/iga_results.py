@@ -24,7 +24,7 @@ PARTS = {"eigen": "/eigen", "static": "/static", "explicit": "/time_series"}
 
 class Fields:
     """Fields of an explicit run at one time, by "<body>/<name>": displacement (vertices, 3), von_mises, strain (vertices),
-    coefficients (functions, 3), point_stress (points, 6) where it was asked for; `mesh` has vertices, triangles, …"""
+    coefficients (functions, 3), plastic_strain (vertices) of laws that have it, point_stress (points, 6), point_plastic_strain (points) where asked for; `mesh` has vertices, triangles, …"""
 
     def __init__(self, path, mesh=None):
         with h5py.File(path, "r") as file:
