@@ -99,6 +99,10 @@ const std::vector<Part>& parts() {
       {"plate_with_holes", "plate with rounded corners, holes, slot and rim", Binary, plate_with_holes},
       {"bracket_with_ribs", "angle bracket with thin ribs and a fillet", Binary, bracket_with_ribs},
       {"pin_and_bush", "two bodies with a narrow gap", Binary, pin_and_bush},
+      {"taylor_bar", "cylinder of 32.4 mm, radius 3.2, with 128 facets", Ascii,
+       [](const PartOptions&) {
+         return cylinder({0, 0}, 3.2, 0, 32.4, 128);
+       }},
       {"noisy_block", "block whose faces miss the grid planes by float noise", Binary, noisy_block},
   };
   return list;
