@@ -34,7 +34,6 @@ struct RigidRun {
 
 /// One of [[contacts]]; sides are numbers of bodies and rigid bodies.
 struct ContactRun {
-  std::string where;
   ContactPair pair;
   bool swapped = false; ///< the first-named side is the rigid one
 };
