@@ -68,6 +68,7 @@ void ExplicitScene::add_bodies() {
   for (const BodyRun& body : run_.bodies) {
     io::stop_if_interrupted();
     models_.push_back(std::make_unique<TrimmedModel>(io::read_model(body.model)));
+    if (body.place != Placement{}) *models_.back() = placed(std::move(*models_.back()), body.place);
     const TrimmedModel& model = *models_.back();
     if (run_.units && *run_.units != model.length_unit)
       throw InputError(fmt::format("{}: the length unit of {} is \"{}\", but the run says \"{}\"; convert the material "
