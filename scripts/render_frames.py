@@ -7,7 +7,8 @@ import numpy as np
 from matplotlib.colors import Normalize
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkPlane, vtkPolyData
-from vtkmodules.vtkFiltersCore import vtkClipPolyData
+from vtkmodules.vtkFiltersCore import vtkClipPolyData, vtkCutter, vtkFeatureEdges
+from vtkmodules.vtkFiltersGeneral import vtkContourTriangulator
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
 from drawing import actor_of, picture, save, with_normals
@@ -16,6 +17,7 @@ COLOURS = plt.get_cmap("turbo")
 FRAMES, COLUMNS = 6, 3
 TILE = (860, 720)
 RIGID_COLOUR = (0.72, 0.74, 0.77)
+SECTION_COLOUR, RIGID_SECTION_COLOUR = (0.90, 0.87, 0.80), (0.55, 0.57, 0.60)  # files hold fields of the surface alone
 FARTHEST = 1.5  # rigid bodies are drawn as far as this much more than half the size of the deformable ones
 QUANTITIES = {"displacement": "|u|", "von_mises": "von Mises stress", "plastic_strain": "equivalent plastic strain"}
 
@@ -53,15 +55,42 @@ def points_of(poly):
     return vtk_to_numpy(poly.GetPoints().GetData())
 
 
-def half_of(poly, place, direction):
+def plane_at(place, direction):
     plane = vtkPlane()
     plane.SetOrigin(*place)
     plane.SetNormal(*direction)
+    return plane
+
+
+def half_of(poly, place, direction):
     clip = vtkClipPolyData()
     clip.SetInputData(poly)
-    clip.SetClipFunction(plane)
+    clip.SetClipFunction(plane_at(place, direction))
     clip.Update()
     return clip.GetOutput()
+
+
+def is_closed(poly):
+    edges = vtkFeatureEdges()
+    edges.SetInputData(poly)
+    edges.FeatureEdgesOff()
+    edges.ManifoldEdgesOff()
+    edges.Update()
+    return edges.GetOutput().GetNumberOfCells() == 0
+
+
+def section_of(poly, place, direction):
+    """What the plane cuts of a closed surface, filled; without colours."""
+    bare = vtkPolyData()
+    bare.SetPoints(poly.GetPoints())
+    bare.SetPolys(poly.GetPolys())
+    cutter = vtkCutter()
+    cutter.SetInputData(bare)
+    cutter.SetCutFunction(plane_at(place, direction))
+    filled = vtkContourTriangulator()
+    filled.SetInputConnection(cutter.GetOutputPort())
+    filled.Update()
+    return filled.GetOutput()
 
 
 def is_near(poly, place, reach):
@@ -109,13 +138,17 @@ def draw(arguments, folder):
         actors = []
         for part in parts:
             values = quantity(part, colour)
+            body, section_colour = part, SECTION_COLOUR
             if values is None:
-                if (near := near_part(part, place, reach)) is not None:
-                    actors.append(actor_of(with_normals(shown(near)), colour=RIGID_COLOUR))
-                continue
-            actor = actor_of(with_normals(shown(coloured(part, values, norm))))
-            actor.GetMapper().SetScalarVisibility(True)
-            actors.append(actor)
+                body, section_colour = near_part(part, place, reach), RIGID_SECTION_COLOUR
+                if body is None:
+                    continue
+                actors.append(actor_of(with_normals(shown(body)), colour=RIGID_COLOUR))
+            else:
+                actors.append(actor_of(with_normals(shown(coloured(part, values, norm)))))
+                actors[-1].GetMapper().SetScalarVisibility(True)
+            if not arguments.whole and is_closed(body):
+                actors.append(actor_of(section_of(body, place, cut), colour=section_colour, flat=True))
         pixels = picture(actors, sight, (0, 0, 1), np.stack([low, high]), TILE)
         row, column = divmod(number, COLUMNS)
         bottom = height - head - (row + 1) * (TILE[1] + caption)
