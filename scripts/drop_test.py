@@ -4,8 +4,8 @@
   scripts/drop_test.py part.stl                              1 m, ABS, the part's -z axis nearly downwards
   scripts/drop_test.py part.stl --toward 1 0.3 -0.2 --span 2 --height 1500
 
-The part stays where its STL has it; gravity and the plane are turned instead. It starts just above the plane with the speed
-of the fall. Units: kg, mm, ms (kN, GPa); --scale makes millimetres of the STL's lengths. The default material is ABS by J2
+The part is turned so that the chosen direction points downwards, and starts just above the plane z = 0 with the speed of the
+fall. Units: kg, mm, ms (kN, GPa); --scale makes millimetres of the STL's lengths. The default material is ABS by J2
 plasticity. Written into --work: model, run file, results, and the files for ParaView; run scripts/plot.py and
 scripts/render.py on the results for pictures. Printed: what is asked of a drop (force, time of contact, rebound, what is left
 of the energy), and the balances that must hold.
@@ -28,11 +28,12 @@ GAP = 0.01  # of a span, between the lowest point and the plane at the start
 WINDOWS = 60  # of the run: forces are averaged over one
 
 RUN = """units = "mm"
-gravity = {gravity}
+gravity = [0, 0, {gravity}]
 [[bodies]]
 name = "part"
 model = "{model}"
-velocity = {velocity}
+velocity = [0, 0, {velocity}]
+place = {{ axis = {axis}, degrees = {degrees}, shift = {shift} }}
 [bodies.material]
 law = "j2"
 E = {o.E}
@@ -43,8 +44,8 @@ hardening_modulus = {o.hardening}
 [[rigid_bodies]]
 name = "ground"
 shape = "plane"
-normal = {normal}
-centre = {centre}
+normal = [0, 0, 1]
+centre = [0, 0, 0]
 [[contacts]]
 bodies = ["part", "ground"]
 friction = {o.friction}
@@ -61,7 +62,7 @@ def parse_arguments(words):
     parser.add_argument("stl", type=Path)
     parser.add_argument("--scale", type=float, default=1.0, help="factor that makes millimetres of the STL's lengths [1]")
     parser.add_argument("--toward", type=float, nargs=3, default=(0.3, 0.2, -1.0), metavar=("X", "Y", "Z"),
-                        help="direction of the fall in the part's frame [0.3 0.2 -1]")
+                        help="direction of the STL that points downwards [0.3 0.2 -1]")
     parser.add_argument("--height", type=float, default=1000.0, help="of the fall, mm [1000]")
     parser.add_argument("--span", type=float, help="span size, mm [longest side / 25]")
     parser.add_argument("--degree", type=int, default=2)
@@ -89,48 +90,60 @@ def numbers(values):
     return "[" + ", ".join(f"{value:.12g}" for value in values) + "]"
 
 
+def turn_downwards(direction):
+    """Axis, angle in degrees and matrix of the shortest turn that brings `direction` onto -z."""
+    down = np.array(direction) / np.linalg.norm(direction)
+    axis = np.cross(down, (0.0, 0.0, -1.0))
+    sine, cosine = np.linalg.norm(axis), -down[2]
+    axis = axis / sine if sine > 0 else np.array([1.0, 0.0, 0.0])
+    across = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
+    return axis, np.degrees(np.arctan2(sine, cosine)), np.eye(3) + sine * across + (1 - cosine) * across @ across
+
+
 def run(o):
-    """Results of the drop, the reports of igaprep and igasolve, the plane's normal, the speed at the start, the span size."""
+    """Results of the drop, the reports of igaprep and igasolve, the speed at the start, the span size."""
     o.work.mkdir(parents=True, exist_ok=True)
     vertices = o.scale * read_stl(o.stl).reshape(-1, 3)
     span = o.span or np.ptp(vertices, axis=0).max() / 25
-    down = np.array(o.toward) / np.linalg.norm(o.toward)
-    lowest = vertices[np.argmax(vertices @ down)] + GAP * span * down
+    axis, degrees, turn = turn_downwards(o.toward)
+    lowest = (vertices @ turn.T)[:, 2].min()
     speed = np.sqrt(2 * GRAVITY * o.height)
     model, settings, results = (o.work / f"{o.stl.stem}{end}" for end in ("_model.h5", "_drop.toml", "_drop.h5"))
     prep = report_of([o.bin / "igaprep", o.stl, "-o", model, "--scale", o.scale, "--degree", o.degree, "--span-size", span,
                       "--quadrature", "ggq-reduced", "--length-unit", "mm", "--force", "--json", "--threads", o.threads])
-    settings.write_text(RUN.format(o=o, model=model.name, gravity=numbers(GRAVITY * down), velocity=numbers(speed * down),
-                                   normal=numbers(-down), centre=numbers(lowest), interval=o.end / 600,
-                                   field_interval=o.end / 30))
+    settings.write_text(RUN.format(o=o, model=model.name, gravity=-GRAVITY, velocity=-speed, axis=numbers(axis),
+                                   degrees=f"{degrees:.12g}", shift=numbers([0, 0, GAP * span - lowest]),
+                                   interval=o.end / 600, field_interval=o.end / 30))
     report = report_of([o.bin / "igasolve", "explicit", settings, "-o", results, "--force", "--json", "--quiet", "--threads",
                         o.threads])
-    return iga_results.read(results), prep, report, -down, speed, span
+    return iga_results.read(results), prep, report, speed, span
 
 
-def figures(results, prep, report, up, speed, span, friction):
+def figures(results, prep, report, speed, span, friction):
     time, contact = results["/time_series/time"], results.series("contact/part-ground")
     body, energy = results.series("body/part"), results.series("energy")
     mass = report["bodies"][0]["mass"]
-    edges = np.linspace(0, time[-1], WINDOWS + 1)
-    forces = np.diff([np.interp(edges, time, component) for component in contact["impulse"].T], axis=1) / np.diff(edges)
-    touching = time[np.linalg.norm(contact["force"], axis=1) > 0]
+    _, means = results.mean_force("part-ground", time[-1] / WINDOWS)
+    force = contact["force"]
+    touching = time[np.linalg.norm(force, axis=1) > 0]
+    if len(touching) == 0:
+        raise RuntimeError(f"the part did not touch the ground until {time[-1]:.6g} ms; choose a later --end")
     after = body["momentum"][-1] / mass
     gained = body["momentum"][-1] - body["momentum"][0]
-    pushed = contact["impulse"][-1] - mass * GRAVITY * up * time[-1]
-    normal = np.abs(contact["force"] @ up)
-    sliding = np.linalg.norm(contact["force"] - np.outer(contact["force"] @ up, up), axis=1)
-    last = results.fields(-1)
+    pushed = contact["impulse"][-1] - [0, 0, mass * GRAVITY * time[-1]]
+    steps = [results.fields(step) for step in range(results.num_fields())]
+    heights = [(step.mesh["part/vertices"] + step["part/displacement"])[:, 2].min() for step in steps]
     return {
-        "span": float(span), "points": prep["points"], "functions": prep["functions"], "steps": report["steps"], "mass": mass, "speed": float(speed),
-        "peak_force": float(np.linalg.norm(forces, axis=0).max()), "impulse": float(np.linalg.norm(contact["impulse"][-1])),
+        "span": float(span), "points": prep["points"], "functions": prep["functions"], "steps": report["steps"], "mass": mass,
+        "speed": float(speed), "peak_force": float(means.max()), "impulse": float(np.linalg.norm(contact["impulse"][-1])),
         "touches_from": float(touching[0]), "touches_until": float(touching[-1]), "end": float(time[-1]),
-        "rebound_speed": float(after @ up), "restitution": float(after @ up / speed),
-        "sideways_speed": float(np.linalg.norm(after - (after @ up) * up)),
+        "rebound_speed": float(after[2]), "restitution": float(after[2] / speed),
+        "sideways_speed": float(np.hypot(after[0], after[1])),
         "kinetic_at_start": float(energy["kinetic"][0]), "kinetic_at_end": float(energy["kinetic"][-1]),
         "internal_at_end": float(energy["internal"][-1]), "friction_at_end": float(energy["friction"][-1]),
-        "largest_plastic_strain": float(last["part/plastic_strain"].max()),
-        "largest_friction_ratio": float((sliding / np.maximum(normal, 1e-300)).max() / friction) if friction > 0 else 0.0,
+        "largest_plastic_strain": float(steps[-1]["part/plastic_strain"].max()),
+        "largest_friction": float((np.hypot(force[:, 0], force[:, 1]) - friction * force[:, 2]).max()),
+        "deepest_point": float(min(heights)),
         "energy_error": float(np.abs(results["/time_series/energy_error"]).max()),
         "momentum_error": float(np.linalg.norm(gained - pushed) / (mass * speed))}
 
