@@ -106,14 +106,16 @@ def run(o):
     vertices = o.scale * read_stl(o.stl).reshape(-1, 3)
     span = o.span or np.ptp(vertices, axis=0).max() / 25
     axis, degrees, turn = turn_downwards(o.toward)
-    lowest = (vertices @ turn.T)[:, 2].min()
+    turned = vertices @ turn.T
+    low, high = turned.min(axis=0), turned.max(axis=0)
+    above_origin = [-0.5 * (low[0] + high[0]), -0.5 * (low[1] + high[1]), GAP * span - low[2]]
     speed = np.sqrt(2 * GRAVITY * o.height)
     model, settings, results = (o.work / f"{o.stl.stem}{end}" for end in ("_model.h5", "_drop.toml", "_drop.h5"))
     prep = report_of([o.bin / "igaprep", o.stl, "-o", model, "--scale", o.scale, "--degree", o.degree, "--span-size", span,
                       "--quadrature", "ggq-reduced", "--length-unit", "mm", "--force", "--json", "--threads", o.threads])
     settings.write_text(RUN.format(o=o, model=model.name, gravity=-GRAVITY, velocity=-speed, axis=numbers(axis),
-                                   degrees=f"{degrees:.12g}", shift=numbers([0, 0, GAP * span - lowest]),
-                                   interval=o.end / 600, field_interval=o.end / 30))
+                                   degrees=f"{degrees:.12g}", shift=numbers(above_origin), interval=o.end / 600,
+                                   field_interval=o.end / 30))
     report = report_of([o.bin / "igasolve", "explicit", settings, "-o", results, "--force", "--json", "--quiet", "--threads",
                         o.threads])
     return iga_results.read(results), prep, report, speed, span
