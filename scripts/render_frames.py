@@ -7,11 +7,11 @@ import numpy as np
 from matplotlib.colors import Normalize
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkPlane, vtkPolyData
-from vtkmodules.vtkFiltersCore import vtkClipPolyData, vtkCutter, vtkFeatureEdges
-from vtkmodules.vtkFiltersGeneral import vtkContourTriangulator
+from vtkmodules.vtkFiltersCore import vtkClipPolyData
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
-from drawing import actor_of, picture, save, with_normals
+import sections
+from drawing import actor_of, picture, save, triangle_mesh, with_normals
 
 COLOURS = plt.get_cmap("turbo")
 FRAMES, COLUMNS = 6, 3
@@ -55,42 +55,32 @@ def points_of(poly):
     return vtk_to_numpy(poly.GetPoints().GetData())
 
 
-def plane_at(place, direction):
+def half_of(poly, place, direction):
     plane = vtkPlane()
     plane.SetOrigin(*place)
     plane.SetNormal(*direction)
-    return plane
-
-
-def half_of(poly, place, direction):
     clip = vtkClipPolyData()
     clip.SetInputData(poly)
-    clip.SetClipFunction(plane_at(place, direction))
+    clip.SetClipFunction(plane)
     clip.Update()
     return clip.GetOutput()
 
 
-def is_closed(poly):
-    edges = vtkFeatureEdges()
-    edges.SetInputData(poly)
-    edges.FeatureEdgesOff()
-    edges.ManifoldEdgesOff()
-    edges.Update()
-    return edges.GetOutput().GetNumberOfCells() == 0
+def is_closed(triangles):
+    """Every edge belongs to two triangles, once in each direction."""
+    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    numbers = edges[:, 0] * (triangles.max() + 1) + edges[:, 1]
+    reverse = edges[:, 1] * (triangles.max() + 1) + edges[:, 0]
+    return bool(np.array_equal(np.sort(numbers), np.sort(reverse)))
 
 
 def section_of(poly, place, direction):
-    """What the plane cuts of a closed surface, filled; without colours."""
-    bare = vtkPolyData()
-    bare.SetPoints(poly.GetPoints())
-    bare.SetPolys(poly.GetPolys())
-    cutter = vtkCutter()
-    cutter.SetInputData(bare)
-    cutter.SetCutFunction(plane_at(place, direction))
-    filled = vtkContourTriangulator()
-    filled.SetInputConnection(cutter.GetOutputPort())
-    filled.Update()
-    return filled.GetOutput()
+    """What the plane cuts of a closed surface, filled; None for open surfaces and where it cuts nothing."""
+    triangles = vtk_to_numpy(poly.GetPolys().GetConnectivityArray()).reshape(-1, 3)
+    if not is_closed(triangles):
+        return None
+    vertices, filled = sections.section(points_of(poly).astype(float), triangles, np.asarray(place), direction)
+    return triangle_mesh(vertices, filled) if len(filled) > 0 else None
 
 
 def is_near(poly, place, reach):
@@ -138,17 +128,17 @@ def draw(arguments, folder):
         actors = []
         for part in parts:
             values = quantity(part, colour)
-            body, section_colour = part, SECTION_COLOUR
             if values is None:
-                body, section_colour = near_part(part, place, reach), RIGID_SECTION_COLOUR
-                if body is None:
-                    continue
-                actors.append(actor_of(with_normals(shown(body)), colour=RIGID_COLOUR))
+                if (near := near_part(part, place, reach)) is not None:
+                    actors.append(actor_of(with_normals(shown(near)), colour=RIGID_COLOUR))
             else:
                 actors.append(actor_of(with_normals(shown(coloured(part, values, norm)))))
                 actors[-1].GetMapper().SetScalarVisibility(True)
-            if not arguments.whole and is_closed(body):
-                actors.append(actor_of(section_of(body, place, cut), colour=section_colour, flat=True))
+            if arguments.whole:
+                continue
+            filled = section_of(part, place, cut)
+            if filled is not None and (filled := near_part(filled, place, reach)) is not None:
+                actors.append(actor_of(filled, colour=RIGID_SECTION_COLOUR if values is None else SECTION_COLOUR, flat=True))
         pixels = picture(actors, sight, (0, 0, 1), np.stack([low, high]), TILE)
         row, column = divmod(number, COLUMNS)
         bottom = height - head - (row + 1) * (TILE[1] + caption)
