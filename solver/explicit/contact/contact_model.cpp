@@ -106,15 +106,12 @@ double ContactModel::external_work() const {
 void ContactModel::look_where_stale(std::span<const BodyState> bodies) {
   std::vector<std::uint8_t> stale(searches_.size(), 0);
   std::vector<std::uint8_t> wanted(surfaces_.size(), 0);
-  bool any = false;
   for (std::size_t p = 0; p < searches_.size(); ++p) {
-    if (!searches_[p].is_stale(surfaces_, bodies, rigid_)) continue;
+    if (!searches_[p].may_be_stale(surfaces_, bodies, rigid_)) continue;
     stale[p] = 1;
-    any = true;
     wanted[searches_[p].first()] = 1;
     if (searches_[p].second() != PairSearch::npos) wanted[searches_[p].second()] = 1;
   }
-  if (!any) return;
   for (std::size_t s = 0; s < surfaces_.size(); ++s) {
     if (!wanted[s]) continue;
     if (surfaces_[s].is_rigid())
@@ -122,6 +119,12 @@ void ContactModel::look_where_stale(std::span<const BodyState> bodies) {
     else
       surfaces_[s].move_all(bodies[surfaces_[s].owner()]);
   }
+  bool any = false;
+  for (std::size_t p = 0; p < searches_.size(); ++p) {
+    stale[p] = stale[p] && searches_[p].is_stale(surfaces_, bodies, rigid_);
+    any = any || stale[p];
+  }
+  if (!any) return;
   std::vector<std::vector<std::uint8_t>> active;
   for (const MovingSurface& s : surfaces_) active.emplace_back(s.mesh().vertices.size(), 0);
   report_.candidates = 0;
