@@ -18,6 +18,9 @@ namespace {
 constexpr double entry_allowance = 1.5;
 // … and this much for rounding, in spans.
 constexpr double entry_rounding = 1e-6;
+// What begins to touch when the step has become shorter gets stiffer springs: those of a step longer than the present one
+// by this, so that a step that breathes leaves them as they are.
+constexpr double breath = 1.1;
 // Sides that come closer by more than this in one step (in spans) could miss each other.
 constexpr double longest_step = 0.5;
 
@@ -173,6 +176,7 @@ void ContactModel::find(std::span<const BodyState> bodies, const StepTimes& time
   touches_.clear();
   pair_of_.clear();
   springs_.clear();
+  const double shorter = reference_dt_ / (breath * times.dt), factor = std::max(1.0, shorter * shorter);
   std::vector<Memory> next;
   auto known = memory_.begin(); // both ascend
   for (std::size_t p = 0; p < searches_.size(); ++p) {
@@ -194,7 +198,7 @@ void ContactModel::find(std::span<const BodyState> bodies, const StepTimes& time
                                          "other; take shorter steps or look for a body that blows up",
                                          searches_[p].pair().name, times.time, way, touch.point[0], touch.point[1],
                                          touch.point[2], h));
-      Memory memory{touch.key, {}, 0, touch.depth, 0};
+      Memory memory{touch.key, {}, 0, touch.depth, 0, factor};
       while (known != memory_.end() && known->key < touch.key) ++known;
       if (known != memory_.end() && known->key == touch.key) {
         memory = *known;
@@ -234,7 +238,7 @@ std::vector<double> ContactModel::save() const {
     values.push_back(static_cast<double>(m.key >> 32));
     values.push_back(static_cast<double>(m.key & 0xffffffffu));
     values.insert(values.end(), m.traction.begin(), m.traction.end());
-    values.insert(values.end(), {m.baseline, m.depth, m.sliding});
+    values.insert(values.end(), {m.baseline, m.depth, m.sliding, m.factor});
   }
   return values;
 }
@@ -256,12 +260,13 @@ void ContactModel::load(std::span<const double> values) {
   for (auto& f : last_force_)
     for (Eigen::Index i = 0; i < f.size(); ++i) f[i] = values[next++];
   memory_.clear();
-  for (; next < values.size(); next += 8)
+  for (; next < values.size(); next += 9)
     memory_.push_back({static_cast<std::uint64_t>(values[next]) << 32 | static_cast<std::uint64_t>(values[next + 1]),
                        {values[next + 2], values[next + 3], values[next + 4]},
                        values[next + 5],
                        values[next + 6],
-                       values[next + 7]});
+                       values[next + 7],
+                       values[next + 8]});
   for (PairSearch& search : searches_) search.expire();
 }
 

@@ -89,7 +89,7 @@ class PairSearch {
   bool are_neighbours(const ContactMesh& mesh, std::int32_t vertex, std::int32_t face) const;
 
   ContactPair pair_;
-  double skin_ = 0, least_reference_distance_ = 0;
+  double skin_ = 0, span_size_ = 0;
   bool self_ = false, looked_ = false, first_look_ = true;
   std::size_t first_ = npos, second_ = npos;
   SideMask first_mask_, second_mask_;
