@@ -94,6 +94,14 @@ class Results:
         start = f"/time_series/{below}/"
         return {path[len(start):]: values for path, values in self.data.items() if path.startswith(start)}
 
+    def mean_force(self, contact, window):
+        """Middles of the windows and the magnitude of a contact's mean force in each, from the impulse: no output rate
+        matters."""
+        time, impulse = self["/time_series/time"], self.series(f"contact/{contact}")["impulse"]
+        edges = np.arange(0, time[-1] + 0.5 * window, window)
+        means = np.diff([np.interp(edges, time, component) for component in impulse.T], axis=1) / window
+        return 0.5 * (edges[1:] + edges[:-1]), np.linalg.norm(means, axis=0)
+
     def num_fields(self):
         return len(self["/fields/time"]) if "/fields/time" in self else 0
 

@@ -66,6 +66,29 @@ TEST(StartOverlaps, TellDepthAndPlaceHoweverDeep) {
   EXPECT_THROW(inside->evaluate(), InputError);
 }
 
+TEST(StartOverlaps, ASmallBallInsideABodyHoldsNoVertexAndIsFound) {
+  const auto scene_with = [](const Point3& centre) {
+    ElasticBodies bodies;
+    bodies.push_back(make_body(placed_box({0, 0, 0}, {6, 6, 6}, {6, 6, 6}, 2), soft));
+    ContactPair pair = pair_of(deformable(0), rigid(0));
+    pair.where = "run.toml:7";
+    return std::make_unique<Scene>(std::move(bodies), std::vector<RigidBody>{{"ball", SphereShape{0.1}, centre, {}}},
+                                   std::vector<ContactPair>{pair});
+  };
+  const auto inside = scene_with({3.1, 2.9, 2.3});
+  const auto found = inside->contact.start_overlaps(inside->states());
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_NEAR(found[0].depth, 2.3, 1e-12);
+  try {
+    inside->evaluate();
+    ADD_FAILURE() << "not refused";
+  } catch (const InputError& error) {
+    EXPECT_TRUE(std::string(error.what()).starts_with("run.toml:7: contact '")) << error.what();
+  }
+  const auto outside = scene_with({3.1, 2.9, 6.3});
+  EXPECT_TRUE(outside->contact.start_overlaps(outside->states()).empty());
+}
+
 TEST(ContactAtSpeed, FastBallsBounceAndTooFastOnesAreRefused) {
   const auto scene_with = [](double share) { // of a span in a step
     ElasticBodies bodies;
