@@ -3,8 +3,8 @@
 
   scripts/compare_impact.py REFERENCE RUN...     series of scripts/hex_reference.py (.npz) or results of igasolve (.h5)
 
-Of the force on the sphere along z: at 0.5 ms (instantaneous, and the mean from 0.4 to 0.6 ms), the largest mean over 0.2 ms, the
-relative L2 difference of its means over 0.2 ms to the first file, the impulse beside the sphere's change of momentum; the
+Of the force on the sphere along z: at 0.5 ms (that instant, and the mean from 0.4 to 0.6 ms), the largest mean over 0.2 ms,
+the relative L2 difference of its means over 0.2 ms to the first file, the impulse beside the sphere's change of momentum; the
 velocity of the rebound; internal, kinetic (the sphere's included) and friction energy at 2, 4, 6 and 8 ms.
 """
 import sys

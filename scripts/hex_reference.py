@@ -8,14 +8,15 @@
 Method (kg, mm, ms, kN, GPa)
   Elements    trilinear hexahedra, 2 x 2 x 2 Gauss points (or one, with the stiffness of Flanagan & Belytschko 1981 against
               hourglassing), row-sum mass; f = sum_g w P(F) grad N over the undeformed block, P = J sigma F^-T.
-  Time        central differences; dt = safety * dt_0 * min(sigma_min(F) / sqrt(J), 1), dt_0 from the largest eigenvalue of one
-              element. Internal energy by the trapezoidal rule over each step.
+  Time        central differences; dt = safety * dt_0 * min(sigma_min(F) / sqrt(J), 1), dt_0 from the largest eigenvalue
+              of one element. Internal energy by the trapezoidal rule over each step.
   Foam        crushable foam without interaction of the directions, *MAT_063 MODEL 0 of the LS-DYNA theory manual: the elastic
-              trial stress turns with the body, grows by C : d; its principal values are clipped to [-Y(1 - J), tension limit].
+              trial stress turns with the body and grows by C : d; its principal values are clipped to -Y(1 - J) … tension limit.
               Turning: `jaumann` by Hughes & Winget 1980, midpoint; `polar` by R of F = R U (Green & Naghdi).
   Contact     every surface quadrilateral carries midpoints of a raster (4 mm or finer, at least 2 x 2); each presses with
               penalty * area * depth on the sphere or the plane and holds on by a spring as stiff, which slides at friction *
               normal force. penalty = scale * E / h. The sphere moves and spins freely. No self-contact, no damping at all.
+Energies are in J, impulses in Ns; `velocity` is the sphere's along z, `depth` that of the contact points in it.
 """
 import argparse
 import time as clock
@@ -24,11 +25,11 @@ import numpy as np
 from scipy import sparse
 
 SIDE, RADIUS, CENTRE, SPEED, MASS, INERTIA, END = 100.0, 35.0, (50.0, 50.0, 136.0), 8.0, 1.0, 490.0, 8.0
-EXTENSIVE = ("force", "impulse", "internal", "kinetic", "contact", "friction", "plane")
+EXTENSIVE = ("force", "impulse", "internal", "kinetic", "contact", "friction")
+SERIES = ("time", *EXTENSIVE, "velocity", "depth", "least_volume")
 CURVE = np.array([(0, 3e-4), (0.4, 3.5e-4), (0.6, 6e-4), (0.7, 1.2e-3), (0.8, 4e-3), (0.9, 0.02), (0.95, 0.05)])
 CHUNK = 128  # elements worked on at a time, so that their arrays stay in the cache
 CORNERS = np.array([(i, j, k) for k in (0, 1) for j in (0, 1) for i in (0, 1)])
-SERIES = ("time", "force", "impulse", "velocity", "internal", "kinetic", "contact", "friction", "depth", "least_volume", "plane")
 
 
 # Tensors are arrays (3, 3, n), symmetric or not; n numbers the points.
@@ -223,8 +224,8 @@ class Rigid:
         return length - self.radius, away / length[:, None]
 
     def kinetic(self):
-        shares = (mass * motion @ motion for mass, motion in ((self.mass, self.velocity), (self.inertia, self.spin)) if motion.any())
-        return 0.5 * sum(shares)
+        pairs = ((self.mass, self.velocity), (self.inertia, self.spin))
+        return sum(mass * motion @ motion / 2 for mass, motion in pairs if motion.any())
 
 
 class Contact:
@@ -273,7 +274,7 @@ class Contact:
 def simulate(block, contacts, end, safety=0.8, tell=0):
     """Series (see SERIES) over all steps until `end`; the first contact's force is recorded, its body moves."""
     moved, dt, time, internal, impulse = np.zeros_like(block.start), 0.0, 0.0, 0.0, 0.0
-    rows, inner, earlier, began = [], 0.0, np.zeros_like(block.start), clock.process_time()
+    rows, earlier, began = [], np.zeros_like(block.start), clock.process_time()
     while True:
         inner = block.forces(moved)
         internal += 0.5 * ((inner + earlier) * moved).sum()
@@ -292,14 +293,11 @@ def simulate(block, contacts, end, safety=0.8, tell=0):
             body.spin = body.spin + span * contact.torque / body.inertia
             kinetic += body.kinetic() / 2
         impulse += span * contacts[0].force[2]
-        first = contacts[0].rigid
-        rows.append((time, contacts[0].force[2], impulse, first.velocity[2], internal, kinetic,
-                     sum(c.energy for c in contacts), sum(c.slid for c in contacts), contacts[0].depth, block.least_volume,
-                     -contacts[-1].force[2]))
+        rows.append((time, contacts[0].force[2], impulse, internal, kinetic, sum(c.energy for c in contacts),
+                     sum(c.slid for c in contacts), contacts[0].rigid.velocity[2], contacts[0].depth, block.least_volume))
         if tell and len(rows) % tell == 0:
-            print("  t {:.3f} dt {:.2e} force {:.4f} velocity {:.3f} internal {:.3f} kinetic {:.3f} depth {:.3f} J {:.3f}, "
-                  "{:.0f} s".format(time, dt_next, *(rows[-1][i] for i in (1, 3, 4, 5, 8, 9)),
-                                    clock.process_time() - began), flush=True)
+            print(f"  dt {dt_next:.2e}", *(f"{name} {value:.4f}" for name, value in zip(SERIES, rows[-1])),
+                  f"{clock.process_time() - began:.0f} s", flush=True)
         if time >= end * (1 - 1e-12):
             return dict(zip(SERIES, np.array(rows).T))
         moved, dt = dt_next * block.velocity, dt_next
@@ -316,7 +314,8 @@ def impact(divisions, rate="jaumann", one_point=False, hourglass=0.05, friction=
     across = np.array([2, 2, 1] if quarter else [1, 1, 1])
     block = Block(SIDE / across, divisions // across, law, one_point, hourglass, quarter)
     stiffness = penalty * law.modulus / block.step[0]
-    sphere = Rigid(CENTRE, RADIUS, MASS / share, np.inf if quarter else INERTIA, (0, 0, -SPEED), (0, 0, 1) if quarter else (1, 1, 1))
+    inertia, free = (np.inf, (0, 0, 1)) if quarter else (INERTIA, (1, 1, 1))
+    sphere = Rigid(CENTRE, RADIUS, MASS / share, inertia, (0, 0, -SPEED), free)
     contacts = [Contact(block, body, friction, stiffness, spacing) for body in (sphere, Rigid((0, 0, 0)))]
     series = simulate(block, contacts, end, safety, tell)
     return {name: values * (share if name in EXTENSIVE else 1) for name, values in series.items()}
@@ -325,14 +324,12 @@ def impact(divisions, rate="jaumann", one_point=False, hourglass=0.05, friction=
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("divisions", type=int, help="elements along an edge of the cube")
-    parser.add_argument("--rate", choices=("jaumann", "polar"), default="jaumann")
+    parser.add_argument("--rate", choices=("jaumann", "polar"), default="jaumann", help="how the stress turns")
     parser.add_argument("--one-point", action="store_true")
     parser.add_argument("--hourglass", type=float, default=0.05, help="share of the element's stiffness")
-    parser.add_argument("--friction", type=float, default=0.2)
-    parser.add_argument("--penalty", type=float, default=1.0, help="in E / h")
-    parser.add_argument("--spacing", type=float, default=4.0, help="raster of contact points, mm")
-    parser.add_argument("--safety", type=float, default=0.8)
-    parser.add_argument("--end", type=float, default=END)
+    for name, value, text in (("friction", 0.2, "coefficient"), ("penalty", 1.0, "of contact, in E / h"), ("end", END, "ms"),
+                              ("spacing", 4.0, "of contact points, mm"), ("safety", 0.8, "share of the critical step")):
+        parser.add_argument(f"--{name}", type=float, default=value, help=f"{text} ({value})")
     parser.add_argument("--quarter", action="store_true", help="planes of symmetry x = 50 and y = 50; even divisions")
     parser.add_argument("--tell", type=int, default=0, help="print every so many steps")
     parser.add_argument("-o", "--output", help="series of all steps (.npz)")
