@@ -109,7 +109,7 @@ void run(const char* path, const Options& options) {
     integrator.step();
     const ContactReport& report = contact.report();
     for (std::size_t p = 0; p < report.pairs.size(); ++p) depth[p] = std::max(depth[p], report.pairs[p].largest_depth);
-    const double force = report.pairs[0].normal_force;
+    const double force = -report.pairs[0].force[2]; // on the sphere, upward
     peak = std::max(peak, force);
     impulse += force * integrator.dt();
     if (integrator.time() > 0.45 && integrator.time() < 0.55) mean += force * integrator.dt() / 0.1;

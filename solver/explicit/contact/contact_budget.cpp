@@ -111,7 +111,7 @@ void ContactModel::set_springs() {
       reduced = std::max(ahead, behind);
     else if (ahead > 0 && behind > 0)
       reduced = ahead * behind / (ahead + behind);
-    springs_[c].stiffness = pair.stiffness * reduced * touch.area;
+    springs_[c].stiffness = pair.stiffness * reduced * touch.area * memory_[c].factor;
     springs_[c].with_damping = 1 + damping_factor(pair);
   }
 }

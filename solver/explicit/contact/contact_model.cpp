@@ -18,6 +18,9 @@ namespace {
 constexpr double entry_allowance = 1.5;
 // … and this much for rounding, in spans.
 constexpr double entry_rounding = 1e-6;
+// What begins to touch when the step has become shorter gets stiffer springs: those of a step longer than the present one
+// by this, so that a step that breathes leaves them as they are.
+constexpr double breath = 1.1;
 // Sides that come closer by more than this in one step (in spans) could miss each other.
 constexpr double longest_step = 0.5;
 
@@ -107,15 +110,12 @@ double ContactModel::external_work() const {
 void ContactModel::look_where_stale(std::span<const BodyState> bodies) {
   std::vector<std::uint8_t> stale(searches_.size(), 0);
   std::vector<std::uint8_t> wanted(surfaces_.size(), 0);
-  bool any = false;
   for (std::size_t p = 0; p < searches_.size(); ++p) {
-    if (!searches_[p].is_stale(surfaces_, bodies, rigid_)) continue;
+    if (!searches_[p].may_be_stale(surfaces_, bodies, rigid_)) continue;
     stale[p] = 1;
-    any = true;
     wanted[searches_[p].first()] = 1;
     if (searches_[p].second() != PairSearch::npos) wanted[searches_[p].second()] = 1;
   }
-  if (!any) return;
   for (std::size_t s = 0; s < surfaces_.size(); ++s) {
     if (!wanted[s]) continue;
     if (surfaces_[s].is_rigid())
@@ -123,6 +123,12 @@ void ContactModel::look_where_stale(std::span<const BodyState> bodies) {
     else
       surfaces_[s].move_all(bodies[surfaces_[s].owner()]);
   }
+  bool any = false;
+  for (std::size_t p = 0; p < searches_.size(); ++p) {
+    stale[p] = stale[p] && searches_[p].is_stale(surfaces_, bodies, rigid_);
+    any = any || stale[p];
+  }
+  if (!any) return;
   std::vector<std::vector<std::uint8_t>> active;
   for (const MovingSurface& s : surfaces_) active.emplace_back(s.mesh().vertices.size(), 0);
   report_.candidates = 0;
@@ -171,6 +177,7 @@ void ContactModel::find(std::span<const BodyState> bodies, const StepTimes& time
   touches_.clear();
   pair_of_.clear();
   springs_.clear();
+  const double shorter = reference_dt_ / (breath * times.dt), factor = std::max(1.0, shorter * shorter);
   std::vector<Memory> next;
   auto known = memory_.begin(); // both ascend
   for (std::size_t p = 0; p < searches_.size(); ++p) {
@@ -192,7 +199,7 @@ void ContactModel::find(std::span<const BodyState> bodies, const StepTimes& time
                                          "other; take shorter steps or look for a body that blows up",
                                          searches_[p].pair().name, times.time, way, touch.point[0], touch.point[1],
                                          touch.point[2], h));
-      Memory memory{touch.key, {}, 0, touch.depth, 0};
+      Memory memory{touch.key, {}, 0, touch.depth, 0, factor};
       while (known != memory_.end() && known->key < touch.key) ++known;
       if (known != memory_.end() && known->key == touch.key) {
         memory = *known;
@@ -232,7 +239,7 @@ std::vector<double> ContactModel::save() const {
     values.push_back(static_cast<double>(m.key >> 32));
     values.push_back(static_cast<double>(m.key & 0xffffffffu));
     values.insert(values.end(), m.traction.begin(), m.traction.end());
-    values.insert(values.end(), {m.baseline, m.depth, m.sliding});
+    values.insert(values.end(), {m.baseline, m.depth, m.sliding, m.factor});
   }
   return values;
 }
@@ -254,12 +261,13 @@ void ContactModel::load(std::span<const double> values) {
   for (auto& f : last_force_)
     for (Eigen::Index i = 0; i < f.size(); ++i) f[i] = values[next++];
   memory_.clear();
-  for (; next < values.size(); next += 8)
+  for (; next < values.size(); next += 9)
     memory_.push_back({static_cast<std::uint64_t>(values[next]) << 32 | static_cast<std::uint64_t>(values[next + 1]),
                        {values[next + 2], values[next + 3], values[next + 4]},
                        values[next + 5],
                        values[next + 6],
-                       values[next + 7]});
+                       values[next + 7],
+                       values[next + 8]});
   for (PairSearch& search : searches_) search.expire();
 }
 

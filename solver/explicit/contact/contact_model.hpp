@@ -78,6 +78,7 @@ class ContactModel : public PenaltySource {
     double baseline = 0; ///< penetration without force, length
     double depth = 0;    ///< length
     double sliding = 0;  ///< 1 while the friction limit is reached
+    double factor = 1;   ///< on the stiffness, for as long as it touches
   };
   struct Spring {
     double stiffness = 0, scale = 1;

@@ -19,15 +19,21 @@ namespace iga::solve {
 namespace {
 
 constexpr double inf = std::numeric_limits<double>::infinity();
-// Neighbours on one smooth patch, which self-contact skips: nearer than this many spans in the reference …
-constexpr double neighbour_spans = 1.5;
-// … and with normals that agree this well.
+// Neighbours on one smooth patch, which self-contact skips: nearer than this many spans in the reference, ...
+constexpr double neighbour_spans = 0.75;
+// ... with normals that agree this well. What is farther away may fold onto each other.
 constexpr double neighbour_cosine = 0.5;
+// Around convex edges and through walls what is nearer than this many spans does not touch.
+constexpr double wall_spans = 1.5;
 
 // Faces within the skin are looked at for every vertex: of triangles much finer than spans that would be many.
 constexpr double skin_edges = 0.5;
 // Faces that look the same way, by this cosine, do not come to oppose each other before the next look.
 constexpr double same_way = 0.75;
+// Edges take part that come within this many skins of each other: the deepest may be that far apart.
+constexpr double edge_reach = 4;
+// Candidates whose sides have moved by more than this share of what they last for are not worth another measurement.
+constexpr double worth_keeping = 0.6;
 
 /// Edge of an equilateral triangle of the mean area.
 double typical_edge(const MovingSurface& s) {
@@ -103,23 +109,6 @@ void mark_ring(const ContactMesh& mesh, std::int32_t v, std::vector<std::uint8_t
     for (const std::int32_t w : mesh.triangles[at(f)]) is_active[at(w)] = 1;
 }
 
-Point3 mean_motion(const std::vector<std::int32_t>& nodes, const Eigen::VectorXd& now, const Eigen::VectorXd& then) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const std::int32_t i : nodes) sum += now.segment<3>(3 * i) - then.segment<3>(3 * i);
-  sum /= static_cast<double>(std::max<std::size_t>(nodes.size(), 1));
-  return {sum[0], sum[1], sum[2]};
-}
-
-double largest_motion(const MovingSurface& s, const Eigen::VectorXd& now, const Eigen::VectorXd& then,
-                      const Point3& beside) {
-  const Eigen::Vector3d w(beside[0], beside[1], beside[2]);
-  double largest2 = 0;
-  for (const std::int32_t i : s.nodes())
-    largest2 = std::max(largest2, (now.segment<3>(3 * i) - then.segment<3>(3 * i) - w).squaredNorm() *
-                                      (s.reach_of_node(i) * s.reach_of_node(i)));
-  return std::sqrt(largest2);
-}
-
 } // namespace
 
 PairSearch::PairSearch(ContactPair pair, const std::vector<MovingSurface>& surfaces,
@@ -157,7 +146,7 @@ PairSearch::PairSearch(ContactPair pair, const std::vector<MovingSurface>& surfa
       for (std::size_t v = 0; v < first_mask_.vertex.size(); ++v) first_mask_.vertex[v] |= second_mask_.vertex[v];
     }
   }
-  least_reference_distance_ = neighbour_spans * h;
+  span_size_ = h;
   skin_ = std::min(skin_, skin_edges * typical_edge(surfaces[first_]));
   if (!surfaces[second_].is_rigid()) skin_ = std::min(skin_, skin_edges * typical_edge(surfaces[second_]));
   if (pair_.edges) edges_.push_back({first_, second_, {}, {}});
@@ -171,44 +160,46 @@ std::size_t PairSearch::num_candidates() const {
   return n;
 }
 
-double PairSearch::moved(const std::vector<MovingSurface>& surfaces, std::span<const BodyState> bodies,
-                         const std::vector<RigidState>& rigid) const {
-  const MovingSurface& first = surfaces[first_];
-  const Eigen::VectorXd& u = *bodies[first.owner()].displacement;
-  if (pair_.second.kind == ContactSide::Kind::Rigid) {
-    const Pose& pose = rigid[pair_.second.number].pose();
-    const Eigen::Vector3d way = pose.centre - rigid_pose_.centre;
-    const double angle = std::abs(Eigen::AngleAxisd(pose.turn * rigid_pose_.turn.conjugate()).angle());
-    const double swept = angle > 0 ? angle * reach_ : 0;
-    return swept + largest_motion(first, u, first_displacement_, {way[0], way[1], way[2]});
-  }
-  const MovingSurface& second = surfaces[second_];
-  const Eigen::VectorXd& v = *bodies[second.owner()].displacement;
-  const Point3 w = mean_motion(second.nodes(), v, second_displacement_);
-  return largest_motion(first, u, first_displacement_, w) + largest_motion(second, v, second_displacement_, w);
+PairSides PairSearch::sides(const std::vector<MovingSurface>& surfaces, std::span<const BodyState> bodies,
+                            const std::vector<RigidState>& rigid) const {
+  PairSides sides;
+  sides.first = &surfaces[first_];
+  sides.first_displacement = bodies[surfaces[first_].owner()].displacement;
+  if (second_ != npos) sides.second = &surfaces[second_];
+  if (pair_.second.kind == ContactSide::Kind::Rigid)
+    sides.rigid = &rigid[pair_.second.number];
+  else
+    sides.second_displacement = bodies[surfaces[second_].owner()].displacement;
+  return sides;
+}
+
+bool PairSearch::may_be_stale(const std::vector<MovingSurface>& surfaces, std::span<const BodyState> bodies,
+                              const std::vector<RigidState>& rigid) const {
+  return !looked_ || motion_.bound(sides(surfaces, bodies, rigid)) > allowance_;
 }
 
 bool PairSearch::is_stale(const std::vector<MovingSurface>& surfaces, std::span<const BodyState> bodies,
-                          const std::vector<RigidState>& rigid) const {
-  return !looked_ || moved(surfaces, bodies, rigid) > allowance_;
+                          const std::vector<RigidState>& rigid) {
+  // Against a closed form a look is as cheap as a measurement.
+  if (!looked_ || second_ == npos) return true;
+  return motion_.measure(sides(surfaces, bodies, rigid), edge_reach * skin_ + deepest_) > worth_keeping * allowance_;
 }
 
 void PairSearch::look(const std::vector<MovingSurface>& surfaces, std::span<const BodyState> bodies,
                       const std::vector<RigidState>& rigid, const DepthOf& depth_of) {
-  first_displacement_ = *bodies[surfaces[first_].owner()].displacement;
   allowance_ = skin_;
+  double reach = 0; // of a tool: how far its surface turns about its centre
   if (pair_.second.kind == ContactSide::Kind::Rigid) {
     const RigidState& body = rigid[pair_.second.number];
-    rigid_pose_ = body.pose();
-    reach_ = bounding_radius(body.body().shape);
-    if (!(reach_ < inf)) {
-      reach_ = 0;
-      const Point3 c{rigid_pose_.centre[0], rigid_pose_.centre[1], rigid_pose_.centre[2]};
-      for (const Point3& x : surfaces[first_].positions()) reach_ = std::max(reach_, norm(minus(x, c)) + skin_);
+    reach = bounding_radius(body.body().shape);
+    if (!(reach < inf)) {
+      reach = 0;
+      const Eigen::Vector3d& centre = body.pose().centre;
+      const Point3 c{centre[0], centre[1], centre[2]};
+      for (const Point3& x : surfaces[first_].positions()) reach = std::max(reach, norm(minus(x, c)) + skin_);
     }
-  } else {
-    second_displacement_ = *bodies[surfaces[second_].owner()].displacement;
   }
+  motion_.start(sides(surfaces, bodies, rigid), reach);
   const bool deep_look = first_look_ && !self_;
   // Boxes apart: nothing can touch until the gap is closed.
   const double apart = self_ || second_ == npos ? 0 : gap_between(box_of(surfaces[first_]), box_of(surfaces[second_]));
@@ -238,15 +229,16 @@ bool PairSearch::are_neighbours(const ContactMesh& mesh, std::int32_t vertex, st
   Point3 middle{};
   for (const std::int32_t v : t) middle = plus(middle, times(mesh.vertices[at(v)], 1.0 / 3));
   const Point3 way = minus(middle, mesh.vertices[at(vertex)]);
-  if (dot(way, way) >= least_reference_distance_ * least_reference_distance_) return false;
+  const double distance2 = dot(way, way) / (span_size_ * span_size_);
+  if (distance2 >= wall_spans * wall_spans) return false;
   const Point3 &own = mesh.vertex_normal[at(vertex)], &other = mesh.face_normal[at(face)];
-  if (dot(own, other) > neighbour_cosine) return true;
+  if (dot(own, other) > neighbour_cosine) return distance2 < neighbour_spans * neighbour_spans;
   // Each behind the other, as around a convex edge or on the two sides of a wall: material is between them.
   return dot(way, own) <= 0 && dot(way, other) >= 0;
 }
 
 void PairSearch::look_at_faces(VertexFaceCandidates& pass, std::size_t number,
-                               const std::vector<MovingSurface>& surfaces, const DepthOf& depth_of) const {
+                               const std::vector<MovingSurface>& surfaces, const DepthOf& depth_of) {
   const MovingSurface &slave = surfaces[pass.slave], &master = surfaces[pass.master];
   const SideMask &vertices = mask(pass.slave), &faces = mask(pass.master);
   std::vector<Box3> boxes(master.mesh().triangles.size());
@@ -289,25 +281,27 @@ void PairSearch::look_at_faces(VertexFaceCandidates& pass, std::size_t number,
 }
 
 void PairSearch::look_at_own_faces(VertexFaceCandidates& pass, const std::vector<Box3>& boxes,
-                                   const MovingSurface& surface, const DepthOf& depth_of) const {
+                                   const MovingSurface& surface, const DepthOf& depth_of) {
   const ContactMesh& mesh = surface.mesh();
   const std::vector<Point3> normals = unit_normals(surface);
   if (first_look_) pass.tree = Bvh(boxes);
   pass.tree.refit(boxes, normals);
   const double reach = 2 * skin_;
-  double deepest = 0; // of vertices that touch: they were candidates
-  for (const std::int32_t v : pass.vertex) deepest = std::max(deepest, depth_of(0, v));
+  deepest_ = 0; // of vertices that touch: they were candidates
+  for (const std::int32_t v : pass.vertex) deepest_ = std::max(deepest_, depth_of(0, v));
   std::vector<std::pair<std::int32_t, std::int32_t>> found;
   const auto consider = [&](std::int32_t own, std::int32_t other) {
     const Triangle& t = mesh.triangles[at(other)];
     for (const std::int32_t v : mesh.triangles[at(own)]) {
-      if (!first_mask_.vertex[at(v)] || are_neighbours(mesh, v, other)) continue;
+      if (!first_mask_.vertex[at(v)]) continue;
+      if (!overlap(boxes[at(other)], grown({surface.x(v), surface.x(v)}, reach + deepest_))) continue;
+      if (are_neighbours(mesh, v, other)) continue;
       const double d2 = closest_on_triangle(surface.x(v), surface.x(t[0]), surface.x(t[1]), surface.x(t[2])).distance2;
       if (d2 <= reach * reach || std::sqrt(d2) <= reach + depth_of(0, v)) found.emplace_back(v, other);
     }
   };
   pass.tree.each_close_pair(
-      reach + deepest,
+      reach + deepest_,
       [](const Box3& a, const Box3& b) { // do all look the same way?
         double least = 0;
         for (std::size_t d = 0; d < 3; ++d)
@@ -371,7 +365,7 @@ void PairSearch::look_at_edges(EdgeCandidates& pass, const std::vector<MovingSur
     if (!mask_first.face[at(e.left)] && !mask_first.face[at(e.right)]) continue;
     const std::size_t begin = pass.edges.size();
     // Edges that touch lie as deep in each other as the faces beside them.
-    pass.tree.each_overlap(grown(box(first, e), 4 * skin_), [&](std::int32_t j) {
+    pass.tree.each_overlap(grown(box(first, e), edge_reach * skin_), [&](std::int32_t j) {
       const SharpEdge& o = others[at(j)];
       if (!mask_second.face[at(o.left)] && !mask_second.face[at(o.right)]) return;
       if (self_) {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "solver/explicit/contact/contact_settings.hpp"
-#include "solver/explicit/contact/moving_surface.hpp"
+#include "solver/explicit/contact/pair_motion.hpp"
 
 #include <functional>
 #include <utility>
@@ -61,9 +61,13 @@ class PairSearch {
   const SideMask& mask(std::size_t surface) const { return surface == first_ ? first_mask_ : second_mask_; }
   std::size_t num_candidates() const;
 
-  /// May a pair that is no candidate touch by now? Safe: relative motion since the last look is bounded from the nodes.
+  /// May a pair that is no candidate touch by now? Safe and cheap: relative motion since the last look is bounded from
+  /// the nodes.
+  bool may_be_stale(const std::vector<MovingSurface>& surfaces, std::span<const BodyState> bodies,
+                    const std::vector<RigidState>& rigid) const;
+  /// The same from where the vertices are; is it time to look? @pre all positions of both sides are up to date
   bool is_stale(const std::vector<MovingSurface>& surfaces, std::span<const BodyState> bodies,
-                const std::vector<RigidState>& rigid) const;
+                const std::vector<RigidState>& rigid);
   /// New candidates. @pre all positions of both sides are up to date
   void look(const std::vector<MovingSurface>& surfaces, std::span<const BodyState> bodies,
             const std::vector<RigidState>& rigid, const DepthOf& depth_of);
@@ -73,30 +77,28 @@ class PairSearch {
   void mark(const std::vector<MovingSurface>& surfaces, std::vector<std::vector<std::uint8_t>>& is_active) const;
 
  private:
-  double moved(const std::vector<MovingSurface>& surfaces, std::span<const BodyState> bodies,
-               const std::vector<RigidState>& rigid) const;
+  PairSides sides(const std::vector<MovingSurface>& surfaces, std::span<const BodyState> bodies,
+                  const std::vector<RigidState>& rigid) const;
   void look_at_faces(VertexFaceCandidates& pass, std::size_t number, const std::vector<MovingSurface>& surfaces,
-                     const DepthOf& depth_of) const;
+                     const DepthOf& depth_of);
   void look_at_own_faces(VertexFaceCandidates& pass, const std::vector<Box3>& boxes, const MovingSurface& surface,
-                         const DepthOf& depth_of) const;
+                         const DepthOf& depth_of);
   void look_at_shape(VertexShapeCandidates& pass, const std::vector<MovingSurface>& surfaces,
                      const std::vector<RigidState>& rigid);
   void look_at_edges(EdgeCandidates& pass, const std::vector<MovingSurface>& surfaces) const;
   bool are_neighbours(const ContactMesh& mesh, std::int32_t vertex, std::int32_t face) const;
 
   ContactPair pair_;
-  double skin_ = 0, least_reference_distance_ = 0;
+  double skin_ = 0, span_size_ = 0;
   bool self_ = false, looked_ = false, first_look_ = true;
   std::size_t first_ = npos, second_ = npos;
   SideMask first_mask_, second_mask_;
   std::vector<VertexFaceCandidates> vertex_face_;
   std::vector<VertexShapeCandidates> vertex_shape_;
   std::vector<EdgeCandidates> edges_;
-  // At the last look:
   double allowance_ = 0; ///< relative motion that the candidates last for
-  double reach_ = 0;     ///< of a plane: distance of the farthest vertex from its point
-  Eigen::VectorXd first_displacement_, second_displacement_;
-  Pose rigid_pose_;
+  double deepest_ = 0;   ///< depth of a vertex in its own body at the last look
+  PairMotion motion_;    ///< since then
 };
 
 } // namespace iga::solve
