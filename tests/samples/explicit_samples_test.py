@@ -101,10 +101,10 @@ class TaylorTest(Case):
         found = figures(results)
         self.within("end", found["end"], 0.08, 0.08)
         self.within("energy error", found["energy_error"], 0, 0.01)
-        # A prism of 128 facets at 227 m/s: ½ ρ V v².
-        area = 64 * 3.2**2 * np.sin(2 * np.pi / 128)
+        # A prism of 96 facets at 227 m/s: ½ ρ V v², to the digits of the STL (float32).
+        area = 48 * 3.2**2 * np.sin(2 * np.pi / 96)
         start = 0.5 * 8.93e-6 * area * 32.4 * 227**2
-        self.within("kinetic energy at the start", found["kinetic_at_start"] / start, 1 - 1e-9, 1 + 1e-9)
+        self.within("kinetic energy at the start", found["kinetic_at_start"] / start, 1 - 1e-6, 1 + 1e-6)
         # Literature: 21.42 … 21.66 mm, perhaps from 21.26 (Kamoulakos 1990, Zhu and Cescotto 1995, Camacho and Ortiz 1997).
         self.within("final length", found["length"], 21.26, 21.66)
         # Literature: 6.9 … 7.24 mm; axisymmetric_fe.py with 5 and 10 elements along the radius: 7.23 and 7.32. Four spans
