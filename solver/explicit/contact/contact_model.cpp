@@ -18,8 +18,8 @@ namespace {
 constexpr double entry_allowance = 1.5;
 // … and this much for rounding, in spans.
 constexpr double entry_rounding = 1e-6;
-// What begins to touch when the step has become shorter gets stiffer springs: those of a step longer than the present one
-// by this, so that a step that breathes leaves them as they are.
+// What begins to touch when the step has become shorter gets stiffer springs: those of a step longer than the present
+// one by this, so that a step that breathes leaves them as they are.
 constexpr double breath = 1.1;
 // Sides that come closer by more than this in one step (in spans) could miss each other.
 constexpr double longest_step = 0.5;
