@@ -29,7 +29,7 @@ def winding(points, corners, random):
     turn = np.linalg.qr(random.normal(size=(3, 3)))[0]
     p, t = points @ turn, corners @ turn
     low, high = t[:, :, :2].min(axis=1), t[:, :, :2].max(axis=1)
-    bin_size = 2 * np.median(high - low)
+    bin_size = 0.5 * np.median(high - low)
     origin = low.min(axis=0)
     columns = int((high.max(axis=0)[1] - origin[1]) / bin_size) + 2
     first, last = ((low - origin) // bin_size).astype(int), ((high - origin) // bin_size).astype(int)
@@ -42,9 +42,16 @@ def winding(points, corners, random):
     bins, triangle = bins[order], triangle[order]
     cell = ((p[:, :2] - origin) // bin_size).astype(int)
     cell = cell[:, 0] * columns + cell[:, 1]
-    begin, end = np.searchsorted(bins, cell), np.searchsorted(bins, cell, side="right")
-    point = np.repeat(np.arange(len(p)), end - begin)
-    place = np.arange((end - begin).sum()) - np.repeat(np.cumsum(end - begin) - (end - begin), end - begin)
+    winds = [crossings(part, t, triangle, np.searchsorted(bins, at), np.searchsorted(bins, at, side="right"))
+             for part, at in zip(np.array_split(p, 16), np.array_split(cell, 16))]
+    return np.rint(np.sign(np.linalg.det(turn)) * np.concatenate(winds)).astype(int)
+
+
+def crossings(p, t, triangle, begin, end):
+    """Signed crossings of rays upwards from points p with the triangles t[triangle[begin … end]] of each."""
+    count = end - begin
+    point = np.repeat(np.arange(len(p)), count)
+    place = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
     q, tri = p[point], t[triangle[begin[point] + place]]
 
     def side(u, v):  # twice the area seen along the ray, with the point
@@ -53,8 +60,8 @@ def winding(points, corners, random):
     weights = np.stack([side(tri[:, 1], tri[:, 2]), side(tri[:, 2], tri[:, 0]), side(tri[:, 0], tri[:, 1])])
     area = weights.sum(axis=0)
     hit = (weights > 0).all(axis=0) | (weights < 0).all(axis=0)
-    hit &= np.einsum("ij,ji->i", weights.T, tri[:, :, 2].T) / np.where(hit, area, 1) > q[:, 2]
-    return np.rint(np.bincount(point[hit], np.sign(area[hit]) * np.sign(np.linalg.det(turn)), len(p))).astype(int)
+    hit &= (weights * tri[:, :, 2].T).sum(axis=0) / np.where(hit, area, 1) > q[:, 2]
+    return np.bincount(point[hit], np.sign(area[hit]), len(p))
 
 
 def distances(p, a, b, c):
@@ -90,10 +97,14 @@ def deepest(rest, triangles, now):
     random = np.random.default_rng(1)
     winds = [winding(outside, corners, random) for _ in range(2)]
     inside = np.flatnonzero((winds[0] > 0) & (winds[1] > 0))
+    centre = corners.mean(axis=1)
+    radius = np.linalg.norm(corners - centre[:, None], axis=2).max(axis=1)
     depths = []
     for v in inside:
-        faces = (face @ normal[v] < FACING) & (triangles != v).all(axis=1)
-        depths.append(distances(x[v], *(corners[faces, k] for k in range(3))).min() if faces.any() else 0.0)
+        faces = np.flatnonzero((face @ normal[v] < FACING) & (triangles != v).all(axis=1))
+        away = np.linalg.norm(centre[faces] - x[v], axis=1)
+        faces = faces[away - radius[faces] <= away.min(initial=np.inf)]  # only these may be nearest
+        depths.append(distances(x[v], *(corners[faces, k] for k in range(3))).min(initial=np.inf))
     order = np.argsort(first[inside])
     return first[inside][order], np.array(depths)[order] if len(inside) else np.zeros(0)
 

@@ -19,8 +19,10 @@ namespace iga::solve {
 namespace {
 
 constexpr double inf = std::numeric_limits<double>::infinity();
-// Neighbours on one smooth patch, which self-contact skips: nearer than this many spans in the reference, ...
+// Neighbours on one smooth patch, which self-contact skips: nearer in the reference than this many spans ...
 constexpr double neighbour_spans = 0.75;
+// ... and than this many edges, ...
+constexpr double neighbour_edges = 3;
 // ... with normals that agree this well. What is farther away may fold onto each other.
 constexpr double neighbour_cosine = 0.5;
 // Around convex edges and through walls what is nearer than this many spans does not touch.
@@ -146,7 +148,8 @@ PairSearch::PairSearch(ContactPair pair, const std::vector<MovingSurface>& surfa
       for (std::size_t v = 0; v < first_mask_.vertex.size(); ++v) first_mask_.vertex[v] |= second_mask_.vertex[v];
     }
   }
-  span_size_ = h;
+  wall_distance_ = wall_spans * h;
+  patch_distance_ = std::min(neighbour_spans * h, neighbour_edges * typical_edge(surfaces[first_]));
   skin_ = std::min(skin_, skin_edges * typical_edge(surfaces[first_]));
   if (!surfaces[second_].is_rigid()) skin_ = std::min(skin_, skin_edges * typical_edge(surfaces[second_]));
   if (pair_.edges) edges_.push_back({first_, second_, {}, {}});
@@ -229,10 +232,10 @@ bool PairSearch::are_neighbours(const ContactMesh& mesh, std::int32_t vertex, st
   Point3 middle{};
   for (const std::int32_t v : t) middle = plus(middle, times(mesh.vertices[at(v)], 1.0 / 3));
   const Point3 way = minus(middle, mesh.vertices[at(vertex)]);
-  const double distance2 = dot(way, way) / (span_size_ * span_size_);
-  if (distance2 >= wall_spans * wall_spans) return false;
+  const double distance2 = dot(way, way);
+  if (distance2 >= wall_distance_ * wall_distance_) return false;
   const Point3 &own = mesh.vertex_normal[at(vertex)], &other = mesh.face_normal[at(face)];
-  if (dot(own, other) > neighbour_cosine) return distance2 < neighbour_spans * neighbour_spans;
+  if (dot(own, other) > neighbour_cosine) return distance2 < patch_distance_ * patch_distance_;
   // Each behind the other, as around a convex edge or on the two sides of a wall: material is between them.
   return dot(way, own) <= 0 && dot(way, other) >= 0;
 }

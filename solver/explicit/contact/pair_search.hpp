@@ -89,7 +89,8 @@ class PairSearch {
   bool are_neighbours(const ContactMesh& mesh, std::int32_t vertex, std::int32_t face) const;
 
   ContactPair pair_;
-  double skin_ = 0, span_size_ = 0;
+  double skin_ = 0;
+  double wall_distance_ = 0, patch_distance_ = 0; ///< of neighbours in the reference, length
   bool self_ = false, looked_ = false, first_look_ = true;
   std::size_t first_ = npos, second_ = npos;
   SideMask first_mask_, second_mask_;

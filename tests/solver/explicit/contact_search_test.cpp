@@ -134,7 +134,7 @@ TEST(ContactForce, WhatTouchesAfterTheStepHasShrunkGetsStifferSprings) {
   };
   scene.evaluate();
   const double at_first = move(-0.002); // a few springs at the edges are lowered by the budget of this step
-  EXPECT_EQ(move(0.002), 0); // apart again
+  EXPECT_EQ(move(0.002), 0);            // apart again
   scene.times.dt *= 0.5;
   const double later = move(-0.002);
   EXPECT_GE(later / at_first, 4 / 1.21);
