@@ -4,7 +4,7 @@
 For each step of fields of an explicit run (default: the last one): how many vertices of the body's surface lie inside the
 deformed body, how deep the deepest is, and where. A vertex, moved outwards by a thousandth of an edge, is inside where the
 surface winds around it: rays in two directions leave the body more often than they enter it. Its depth is the distance to
-the nearest face that looks against the vertex's own side. This looks at the results alone and knows nothing of the
+the nearest face that looks against one of the vertex's own faces. This looks at the results alone and knows nothing of the
 solver's contact.
 As a module: deepest(rest, triangles, now) of arrays (vertices, 3), (triangles, 3), (vertices, 3).
 Needs h5py and numpy.
@@ -101,7 +101,8 @@ def deepest(rest, triangles, now):
     radius = np.linalg.norm(corners - centre[:, None], axis=2).max(axis=1)
     depths = []
     for v in inside:
-        faces = np.flatnonzero((face @ normal[v] < FACING) & (triangles != v).all(axis=1))
+        own = (triangles == v).any(axis=1)
+        faces = np.flatnonzero(((face @ face[own].T).min(axis=1) < FACING) & ~own)
         away = np.linalg.norm(centre[faces] - x[v], axis=1)
         faces = faces[away - radius[faces] <= away.min(initial=np.inf)]  # only these may be nearest
         depths.append(distances(x[v], *(corners[faces, k] for k in range(3))).min(initial=np.inf))
