@@ -31,7 +31,7 @@ class Crush(unittest.TestCase):
         text = (SAMPLE / "crush_coarse.toml").read_text()
         for before, after in (("../../build/crush_foam/foam_coarse.h5", "foam.h5"), ("x = -2\n", f"x = -{SPEED}\n"),
                               ('"yield_curve.csv"', f'"{(SAMPLE / "yield_curve.csv").as_posix()}"'),
-                              ("end = 100", f"end = {END}"), ("field_interval = 5", f"field_interval = {END}\nviewer = false")):
+                              ("dt_max = 0.01", "dt_max = 0.02"), ("end = 100", f"end = {END}"), ("field_interval = 5", f"field_interval = {END}\nviewer = false")):
             assert before in text, before
             text = text.replace(before, after)
         (WORK / "crush.toml").write_text(text)

@@ -176,7 +176,9 @@ void ContactModel::find(std::span<const BodyState> bodies, const StepTimes& time
   touches_.clear();
   pair_of_.clear();
   springs_.clear();
-  const double shorter = reference_dt_ / (breath * times.dt), factor = std::max(1.0, shorter * shorter);
+  // A single step cut short, as the last one of a run, says nothing.
+  const double shorter = reference_dt_ / (breath * std::max(times.dt, times.dt_last));
+  const double factor = std::max(1.0, shorter * shorter);
   std::vector<Memory> next;
   auto known = memory_.begin(); // both ascend
   for (std::size_t p = 0; p < searches_.size(); ++p) {

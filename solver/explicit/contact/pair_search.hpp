@@ -18,6 +18,7 @@ struct VertexFaceCandidates {
   std::vector<std::size_t> offsets;  ///< (vertices + 1)
   std::vector<std::int32_t> faces;   ///< ascending for each vertex
   Bvh tree;                          ///< of the master's faces, as they were at the last look
+  Bvh vertex_tree;                   ///< of the slave's vertices in self-contact
 };
 
 /// Vertices that may touch a rigid shape with a closed form.

@@ -4,6 +4,7 @@
 #include "solver/explicit/contact/pair_motion.hpp"
 #include "tests/solver/explicit/contact_scene.hpp"
 
+#include <algorithm>
 #include <gtest/gtest.h>
 #include <random>
 
@@ -55,6 +56,33 @@ Eigen::VectorXd folded(const ElasticBody& body, double top, double gap) {
 }
 
 } // namespace
+
+TEST(Bvh, FindsTheClosePairsOfTwoTrees) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> any(0, 10);
+  const auto scatter = [&](std::size_t n, double size) {
+    std::vector<Box3> boxes(n);
+    for (Box3& box : boxes) {
+      const Point3 x{any(random), any(random), any(random)};
+      box = {x, plus(x, {size, 0.5 * size, size})};
+    }
+    return boxes;
+  };
+  const std::vector<Box3> first = scatter(300, 0), second = scatter(500, 0.6);
+  const double reach = 0.4;
+  std::vector<std::pair<std::int32_t, std::int32_t>> found, expected;
+  Bvh(first).each_close_pair(
+      Bvh(second), reach, [](const Box3&, const Box3&) { return false; },
+      [&](std::int32_t a, std::int32_t b) { found.emplace_back(a, b); });
+  for (std::size_t a = 0; a < first.size(); ++a)
+    for (std::size_t b = 0; b < second.size(); ++b) {
+      const Box3 grown{minus(second[b].lower, {reach, reach, reach}), plus(second[b].upper, {reach, reach, reach})};
+      if (overlap(first[a], grown)) expected.emplace_back(a, b);
+    }
+  std::sort(found.begin(), found.end());
+  EXPECT_GT(expected.size(), 20u);
+  EXPECT_EQ(found, expected);
+}
 
 TEST(PairMotion, BoundsTheMotionOfWhatWasNear) {
   OwnSurface own;
