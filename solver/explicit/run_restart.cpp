@@ -11,8 +11,8 @@ namespace iga::solve {
 namespace {
 
 constexpr const char* format = "iga-trimmed-solid-restart";
-constexpr const char* format_version = "1.0";
-constexpr int format_major = 1;
+constexpr const char* format_version = "2.0";
+constexpr int format_major = 2;
 
 // Calls visit(number) for each scalar of the state, always in the same order.
 template <class State, class Visit> void for_each_number(State& s, Visit&& visit) {

@@ -65,7 +65,7 @@ void Bvh::build(std::span<const Box3> boxes, std::size_t first, std::size_t last
   nodes_[self].skip = nodes_.size();
 }
 
-void Bvh::refit(std::span<const Box3> boxes, std::span<const Point3> directions) {
+void Bvh::refit(std::span<const Box3> boxes, std::span<const Box3> directions) {
   boxes_.resize(boxes.size());
   for (std::size_t i = 0; i < boxes_.size(); ++i) boxes_[i] = boxes[at(items_[i])];
   for (std::size_t n = nodes_.size(); n-- > 0;) { // children come after their parents
@@ -77,9 +77,7 @@ void Bvh::refit(std::span<const Box3> boxes, std::span<const Point3> directions)
     }
     for (std::size_t i = node.first; i < node.last; ++i) {
       node.box = join(node.box, boxes_[i]);
-      if (directions.empty()) continue;
-      const Point3& d = directions[at(items_[i])];
-      node.directions = join(node.directions, {d, d});
+      if (!directions.empty()) node.directions = join(node.directions, directions[at(items_[i])]);
     }
   }
 }

@@ -21,8 +21,8 @@ class Bvh {
   Bvh() = default;
   explicit Bvh(std::span<const Box3> boxes);
   bool empty() const { return nodes_.empty(); }
-  /// New boxes of the same items, and the items' directions (or none). @param boxes as many as before
-  void refit(std::span<const Box3> boxes, std::span<const Point3> directions = {});
+  /// New boxes of the same items, and boxes that hold the items' directions (or none). @param boxes as many as before
+  void refit(std::span<const Box3> boxes, std::span<const Box3> directions = {});
 
   /// visit(item) for all items whose box overlaps the query.
   template <class Visit> void each_overlap(const Box3& query, Visit&& visit) const {
@@ -45,23 +45,21 @@ class Bvh {
       ++node;
     }
   }
-  /// visit(a, b) for every two different items of the tree whose boxes come within `reach` of each other, once. Leaves
-  /// out parts where pass_over(directions of one part, of the other one) holds.
-  template <class PassOver, class Visit> void each_close_pair(double reach, PassOver&& pass_over, Visit&& visit) const {
-    if (nodes_.empty()) return;
+  /// visit(a, b) for every item a of this tree and b of the other one whose boxes come within `reach` of each other,
+  /// once. Leaves out parts where pass_over(directions of one part, of the other one) holds.
+  template <class PassOver, class Visit>
+  void each_close_pair(const Bvh& other, double reach, PassOver&& pass_over, Visit&& visit) const {
+    if (nodes_.empty() || other.nodes_.empty()) return;
     std::vector<std::pair<std::size_t, std::size_t>> open{{0, 0}};
     while (!open.empty()) {
       const auto [i, j] = open.back();
       open.pop_back();
-      const Node &a = nodes_[i], &b = nodes_[j];
-      if (i != j && !within(a.box, b.box, reach)) continue;
-      if (pass_over(a.directions, b.directions)) continue;
+      const Node &a = nodes_[i], &b = other.nodes_[j];
+      if (!within(a.box, b.box, reach) || pass_over(a.directions, b.directions)) continue;
       if (a.second == 0 && b.second == 0) {
         for (std::size_t k = a.first; k < a.last; ++k)
-          for (std::size_t l = i == j ? k + 1 : b.first; l < b.last; ++l)
-            if (within(boxes_[k], boxes_[l], reach)) visit(items_[k], items_[l]);
-      } else if (i == j) {
-        open.insert(open.end(), {{i + 1, i + 1}, {a.second, a.second}, {i + 1, a.second}});
+          for (std::size_t l = b.first; l < b.last; ++l)
+            if (within(boxes_[k], other.boxes_[l], reach)) visit(items_[k], other.items_[l]);
       } else if (b.second == 0 || (a.second > 0 && size(a.box) >= size(b.box))) {
         open.insert(open.end(), {{i + 1, j}, {a.second, j}});
       } else {

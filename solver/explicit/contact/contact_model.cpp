@@ -18,8 +18,8 @@ namespace {
 constexpr double entry_allowance = 1.5;
 // … and this much for rounding, in spans.
 constexpr double entry_rounding = 1e-6;
-// What begins to touch when the step has become shorter gets stiffer springs: those of a step longer than the present one
-// by this, so that a step that breathes leaves them as they are.
+// What begins to touch when the step has become shorter gets stiffer springs: those of a step longer than the present
+// one by this, so that a step that breathes leaves them as they are.
 constexpr double breath = 1.1;
 // Sides that come closer by more than this in one step (in spans) could miss each other.
 constexpr double longest_step = 0.5;
@@ -177,7 +177,9 @@ void ContactModel::find(std::span<const BodyState> bodies, const StepTimes& time
   touches_.clear();
   pair_of_.clear();
   springs_.clear();
-  const double shorter = reference_dt_ / (breath * times.dt), factor = std::max(1.0, shorter * shorter);
+  // A single step cut short, as the last one of a run, says nothing.
+  const double shorter = reference_dt_ / (breath * std::max(times.dt, times.dt_last));
+  const double factor = std::max(1.0, shorter * shorter);
   std::vector<Memory> next;
   auto known = memory_.begin(); // both ascend
   for (std::size_t p = 0; p < searches_.size(); ++p) {

@@ -19,8 +19,10 @@ namespace iga::solve {
 namespace {
 
 constexpr double inf = std::numeric_limits<double>::infinity();
-// Neighbours on one smooth patch, which self-contact skips: nearer than this many spans in the reference, ...
+// Neighbours on one smooth patch, which self-contact skips: nearer in the reference than this many spans ...
 constexpr double neighbour_spans = 0.75;
+// ... and than this many edges, ...
+constexpr double neighbour_edges = 3;
 // ... with normals that agree this well. What is farther away may fold onto each other.
 constexpr double neighbour_cosine = 0.5;
 // Around convex edges and through walls what is nearer than this many spans does not touch.
@@ -98,6 +100,14 @@ Box3 grown(Box3 box, double by) {
   return box;
 }
 
+Box3 join(Box3 a, const Box3& b) {
+  for (std::size_t d = 0; d < 3; ++d) {
+    a.lower[d] = std::min(a.lower[d], b.lower[d]);
+    a.upper[d] = std::max(a.upper[d], b.upper[d]);
+  }
+  return a;
+}
+
 double gap_between(const Box3& a, const Box3& b) {
   Point3 gap{};
   for (std::size_t d = 0; d < 3; ++d) gap[d] = std::max({0.0, a.lower[d] - b.upper[d], b.lower[d] - a.upper[d]});
@@ -129,8 +139,8 @@ PairSearch::PairSearch(ContactPair pair, const std::vector<MovingSurface>& surfa
     }
     second_ = at(tool[r]);
     second_mask_ = make_mask(surfaces[second_], {}, pair_.name);
-    vertex_face_.push_back({first_, second_, 1, false, {}, {}, {}, {}});
-    if (pair_.edges) vertex_face_.push_back({second_, first_, 1, true, {}, {}, {}, {}});
+    vertex_face_.push_back({first_, second_, 1, false, {}, {}, {}, {}, {}});
+    if (pair_.edges) vertex_face_.push_back({second_, first_, 1, true, {}, {}, {}, {}, {}});
   } else {
     second_ = pair_.second.number;
     if (!is_deformable(second_))
@@ -138,15 +148,16 @@ PairSearch::PairSearch(ContactPair pair, const std::vector<MovingSurface>& surfa
     self_ = first_ == second_;
     skin_ = skin * std::min(h, surfaces[second_].span_size());
     second_mask_ = make_mask(surfaces[second_], pair_.second.regions, pair_.name);
-    vertex_face_.push_back({first_, second_, 0.5, false, {}, {}, {}, {}});
-    if (!self_) vertex_face_.push_back({second_, first_, 0.5, false, {}, {}, {}, {}});
+    vertex_face_.push_back({first_, second_, 0.5, false, {}, {}, {}, {}, {}});
+    if (!self_) vertex_face_.push_back({second_, first_, 0.5, false, {}, {}, {}, {}, {}});
     if (self_) {
       // One pass finds both sides: whoever is named on either side takes part.
       for (std::size_t f = 0; f < first_mask_.face.size(); ++f) first_mask_.face[f] |= second_mask_.face[f];
       for (std::size_t v = 0; v < first_mask_.vertex.size(); ++v) first_mask_.vertex[v] |= second_mask_.vertex[v];
     }
   }
-  span_size_ = h;
+  wall_distance_ = wall_spans * h;
+  patch_distance_ = std::min(neighbour_spans * h, neighbour_edges * typical_edge(surfaces[first_]));
   skin_ = std::min(skin_, skin_edges * typical_edge(surfaces[first_]));
   if (!surfaces[second_].is_rigid()) skin_ = std::min(skin_, skin_edges * typical_edge(surfaces[second_]));
   if (pair_.edges) edges_.push_back({first_, second_, {}, {}});
@@ -229,10 +240,10 @@ bool PairSearch::are_neighbours(const ContactMesh& mesh, std::int32_t vertex, st
   Point3 middle{};
   for (const std::int32_t v : t) middle = plus(middle, times(mesh.vertices[at(v)], 1.0 / 3));
   const Point3 way = minus(middle, mesh.vertices[at(vertex)]);
-  const double distance2 = dot(way, way) / (span_size_ * span_size_);
-  if (distance2 >= wall_spans * wall_spans) return false;
+  const double distance2 = dot(way, way);
+  if (distance2 >= wall_distance_ * wall_distance_) return false;
   const Point3 &own = mesh.vertex_normal[at(vertex)], &other = mesh.face_normal[at(face)];
-  if (dot(own, other) > neighbour_cosine) return distance2 < neighbour_spans * neighbour_spans;
+  if (dot(own, other) > neighbour_cosine) return distance2 < patch_distance_ * patch_distance_;
   // Each behind the other, as around a convex edge or on the two sides of a wall: material is between them.
   return dot(way, own) <= 0 && dot(way, other) >= 0;
 }
@@ -284,24 +295,32 @@ void PairSearch::look_at_own_faces(VertexFaceCandidates& pass, const std::vector
                                    const MovingSurface& surface, const DepthOf& depth_of) {
   const ContactMesh& mesh = surface.mesh();
   const std::vector<Point3> normals = unit_normals(surface);
+  std::vector<Box3> directions;
+  for (const Point3& n : normals) directions.push_back({n, n});
   if (first_look_) pass.tree = Bvh(boxes);
-  pass.tree.refit(boxes, normals);
+  pass.tree.refit(boxes, directions);
+  // Vertices look the way of any of their faces.
+  std::vector<Box3> places, ways;
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    const auto number = static_cast<std::int32_t>(v);
+    places.push_back({surface.x(number), surface.x(number)});
+    Box3 way{{inf, inf, inf}, {-inf, -inf, -inf}};
+    for (const std::int32_t f : mesh.faces_of(number)) way = join(way, {normals[at(f)], normals[at(f)]});
+    ways.push_back(way);
+  }
+  if (first_look_) pass.vertex_tree = Bvh(places);
+  pass.vertex_tree.refit(places, ways);
   const double reach = 2 * skin_;
   deepest_ = 0; // of vertices that touch: they were candidates
   for (const std::int32_t v : pass.vertex) deepest_ = std::max(deepest_, depth_of(0, v));
   std::vector<std::pair<std::int32_t, std::int32_t>> found;
-  const auto consider = [&](std::int32_t own, std::int32_t other) {
-    const Triangle& t = mesh.triangles[at(other)];
-    for (const std::int32_t v : mesh.triangles[at(own)]) {
-      if (!first_mask_.vertex[at(v)]) continue;
-      if (!overlap(boxes[at(other)], grown({surface.x(v), surface.x(v)}, reach + deepest_))) continue;
-      if (are_neighbours(mesh, v, other)) continue;
-      const double d2 = closest_on_triangle(surface.x(v), surface.x(t[0]), surface.x(t[1]), surface.x(t[2])).distance2;
-      if (d2 <= reach * reach || std::sqrt(d2) <= reach + depth_of(0, v)) found.emplace_back(v, other);
-    }
+  const auto may_oppose = [&](std::int32_t v, const Point3& normal) {
+    for (const std::int32_t f : mesh.faces_of(v))
+      if (dot(normals[at(f)], normal) <= same_way) return true;
+    return false;
   };
-  pass.tree.each_close_pair(
-      reach + deepest_,
+  pass.vertex_tree.each_close_pair(
+      pass.tree, reach + deepest_,
       [](const Box3& a, const Box3& b) { // do all look the same way?
         double least = 0;
         for (std::size_t d = 0; d < 3; ++d)
@@ -309,13 +328,15 @@ void PairSearch::look_at_own_faces(VertexFaceCandidates& pass, const std::vector
               {a.lower[d] * b.lower[d], a.lower[d] * b.upper[d], a.upper[d] * b.lower[d], a.upper[d] * b.upper[d]});
         return least > same_way;
       },
-      [&](std::int32_t f, std::int32_t g) {
-        if (dot(normals[at(f)], normals[at(g)]) > same_way) return;
-        if (first_mask_.face[at(g)]) consider(f, g);
-        if (first_mask_.face[at(f)]) consider(g, f);
+      [&](std::int32_t v, std::int32_t f) {
+        if (!first_mask_.vertex[at(v)] || !first_mask_.face[at(f)]) return;
+        if (!may_oppose(v, normals[at(f)]) || are_neighbours(mesh, v, f)) return;
+        const Triangle& t = mesh.triangles[at(f)];
+        const double d2 =
+            closest_on_triangle(surface.x(v), surface.x(t[0]), surface.x(t[1]), surface.x(t[2])).distance2;
+        if (d2 <= reach * reach || std::sqrt(d2) <= reach + depth_of(0, v)) found.emplace_back(v, f);
       });
   std::sort(found.begin(), found.end());
-  found.erase(std::unique(found.begin(), found.end()), found.end());
   pass.vertex.clear();
   pass.faces.clear();
   pass.offsets = {0};

@@ -18,6 +18,7 @@ struct VertexFaceCandidates {
   std::vector<std::size_t> offsets;  ///< (vertices + 1)
   std::vector<std::int32_t> faces;   ///< ascending for each vertex
   Bvh tree;                          ///< of the master's faces, as they were at the last look
+  Bvh vertex_tree;                   ///< of the slave's vertices in self-contact
 };
 
 /// Vertices that may touch a rigid shape with a closed form.
@@ -89,7 +90,8 @@ class PairSearch {
   bool are_neighbours(const ContactMesh& mesh, std::int32_t vertex, std::int32_t face) const;
 
   ContactPair pair_;
-  double skin_ = 0, span_size_ = 0;
+  double skin_ = 0;
+  double wall_distance_ = 0, patch_distance_ = 0; ///< of neighbours in the reference, length
   bool self_ = false, looked_ = false, first_look_ = true;
   std::size_t first_ = npos, second_ = npos;
   SideMask first_mask_, second_mask_;
