@@ -29,6 +29,8 @@ class MomentFitter {
                const std::array<int, 3>& degree, double tolerance);
   /// The rule of the t-th touched span; valid until the next call. Check `residual` against the tolerance.
   const SpanRule& fit(std::size_t touched);
+  /// The span of the last call, open.
+  SpanPart& part() { return part_; }
 
  private:
   void fit_box();

@@ -104,7 +104,7 @@ bool PointReducer::remove_bounded(double loose) {
   for (std::size_t t = 0; t < bounded_attempts; ++t) {
     next_ = state_;
     next_.drop(order_[t]);
-    if (!relocator_.relocate_bounded(next_, Metric::Even, loose)) continue;
+    if (!relocator_.relocate_bounded(next_, loose)) continue;
     std::swap(state_, next_);
     ++run_.bounded;
     return true;

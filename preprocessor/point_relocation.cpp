@@ -183,7 +183,7 @@ PointRelocator::Move PointRelocator::move(MovingPoints& points, std::span<const 
   return Move::Refused;
 }
 
-bool PointRelocator::relocate_bounded(MovingPoints& points, Metric metric, double target) {
+bool PointRelocator::relocate_bounded(MovingPoints& points, double target) {
   const PointSet start = points;
   const double mean = mean_weight(points);
   own_.scale.assign(points.size(), {mean, 1});
@@ -241,7 +241,7 @@ bool PointRelocator::relocate_bounded(MovingPoints& points, Metric metric, doubl
     points.clear[k] = interior_.clearance(place(points, k), place(start, k));
     if (points.clear[k] < points.least[k]) return false;
   }
-  return relocate(points, metric, target);
+  return relocate(points, Metric::Even, target);
 }
 
 } // namespace iga::prep

@@ -46,7 +46,7 @@ class PointRelocator {
   bool relocate(MovingPoints& points, Metric metric, double target);
   /// The same by NLopt: least squares with bounds (L-BFGS), for where Newton's steps leave the solid. The points may
   /// end outside: then it fails. Spoils the ranking.
-  bool relocate_bounded(MovingPoints& points, Metric metric, double target);
+  bool relocate_bounded(MovingPoints& points, double target);
 
   /// ‖r‖ / ‖b‖ after the last of the calls above.
   double reached() const { return r_.norm() / equations_.norm(); }

@@ -196,16 +196,16 @@ template <class Resists> class RigiditySearch {
 /// What a thread needs to judge a span.
 struct Judge {
   MomentFitter fitter;
-  SpanPart part;
   KeptStiffness kept;
 
   /// Opens the span. @return the rule that resists everything
   SpanRule open(std::size_t touched, const std::array<int, 3>& degree) {
-    part.open(touched);
-    return resisting_rule(part, fitter.fit(touched), degree);
+    const SpanRule& fitted = fitter.fit(touched);
+    return resisting_rule(fitter.part(), fitted, degree);
   }
   bool keeps(const Rigidity::Hold& hold, const SpanRule& rule, const SpanRule& full) {
-    return kept.keeps(part.surface().box, hold.faces, {rule.points, rule.weights}, {full.points, full.weights});
+    return kept.keeps(fitter.part().surface().box, hold.faces, {rule.points, rule.weights},
+                      {full.points, full.weights});
   }
 };
 
@@ -214,7 +214,7 @@ struct Judge {
 void TrimmedRules::secure(const QuadratureOptions& options) {
   tbb::enumerable_thread_specific<Judge> judges([&] {
     return Judge{MomentFitter(*grid_, *trimming_, far_, options.moment_degree, options.tolerance),
-                 SpanPart(*grid_, *trimming_, far_, options.moment_degree), KeptStiffness(*grid_)};
+                 KeptStiffness(*grid_)};
   });
   const auto resists = [&](std::size_t a, const Rigidity::Hold& hold) {
     if (hold.clamped) return true;
@@ -231,7 +231,7 @@ void TrimmedRules::secure(const QuadratureOptions& options) {
     Judge& judge = judges.local();
     const SpanRule full = judge.open(touched_[a], grid_->degree());
     rules[i] = {a, full};
-    for (SpanRule& product : stronger_products(judge.part, rule(a), grid_->degree()))
+    for (SpanRule& product : stronger_products(judge.fitter.part(), rule(a), grid_->degree()))
       if (judge.keeps(hold, product, full)) {
         rules[i].second = std::move(product);
         break;

@@ -59,6 +59,18 @@ TriangleMesh pin_and_bush(const PartOptions&) {
   return together(bush, cylinder({0, 0}, 10, -8, 52, 96));
 }
 
+/// Cylinder of radius 3.2 and height 32.4 with 96 facets. Its triangles are about equally long in all directions:
+/// contact halves long edges until they fit, which makes thousands of needles of a facet as long as the bar.
+TriangleMesh taylor_bar(const PartOptions&) {
+  constexpr int rings = 12, along = 100;
+  constexpr double radius = 3.2, height = 32.4;
+  std::vector<Point2> profile;
+  for (int i = 0; i <= rings; ++i) profile.push_back({radius * i / rings, 0});
+  for (int i = 1; i <= along; ++i) profile.push_back({radius, height * i / along});
+  for (int i = rings - 1; i >= 0; --i) profile.push_back({radius * i / rings, height});
+  return revolved(profile, 96);
+}
+
 /// A block with a step and a pocket whose faces should lie on 5 mm planes, with vertices scattered over 1e-6 of the
 /// size, as coordinates come out of a CAD program that works elsewhere and exports float32.
 TriangleMesh noisy_block(const PartOptions&) {
@@ -99,6 +111,7 @@ const std::vector<Part>& parts() {
       {"plate_with_holes", "plate with rounded corners, holes, slot and rim", Binary, plate_with_holes},
       {"bracket_with_ribs", "angle bracket with thin ribs and a fillet", Binary, bracket_with_ribs},
       {"pin_and_bush", "two bodies with a narrow gap", Binary, pin_and_bush},
+      {"taylor_bar", "cylinder of 32.4 mm, radius 3.2, of small triangles", Binary, taylor_bar},
       {"noisy_block", "block whose faces miss the grid planes by float noise", Binary, noisy_block},
   };
   return list;

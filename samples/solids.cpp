@@ -80,6 +80,30 @@ TriangleMesh torus(const Point3& centre, double ring_radius, double tube_radius,
   return with_one_region(std::move(mesh));
 }
 
+TriangleMesh revolved(const std::vector<Point2>& profile, int around) {
+  TriangleMesh mesh;
+  const int rings = static_cast<int>(profile.size()) - 2;
+  const auto number = [&](int ring, int i) { return 1 + ring * around + i % around; };
+  mesh.vertices.push_back({0, 0, profile.front()[1]});
+  for (int ring = 0; ring < rings; ++ring)
+    for (int i = 0; i < around; ++i) {
+      const auto& [r, z] = profile[static_cast<std::size_t>(ring) + 1];
+      const double a = 2 * pi * i / around;
+      mesh.vertices.push_back({r * std::cos(a), r * std::sin(a), z});
+    }
+  mesh.vertices.push_back({0, 0, profile.back()[1]});
+  const int top = 1 + rings * around;
+  for (int i = 0; i < around; ++i) {
+    mesh.triangles.push_back({0, number(0, i + 1), number(0, i)});
+    mesh.triangles.push_back({top, number(rings - 1, i), number(rings - 1, i + 1)});
+    for (int ring = 0; ring + 1 < rings; ++ring) {
+      mesh.triangles.push_back({number(ring, i), number(ring, i + 1), number(ring + 1, i + 1)});
+      mesh.triangles.push_back({number(ring, i), number(ring + 1, i + 1), number(ring + 1, i)});
+    }
+  }
+  return with_one_region(std::move(mesh));
+}
+
 TriangleMesh extrude(const std::vector<Point2>& profile, double z_low, double z_high) {
   SurfaceMesh mesh;
   std::vector<SurfaceMesh::Vertex_index> bottom, top;

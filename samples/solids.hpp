@@ -15,6 +15,9 @@ TriangleMesh box(const Point3& lower, const Point3& upper);
 TriangleMesh icosphere(const Point3& centre, double radius, int refinement);
 /// Torus about the z axis through `centre`, split into `around` × `section` quads, two triangles each.
 TriangleMesh torus(const Point3& centre, double ring_radius, double tube_radius, int around, int section);
+/// Surface of revolution about the z axis: `profile` holds (r, z) from a first point on the axis to a last one on it,
+/// the solid on its left.
+TriangleMesh revolved(const std::vector<Point2>& profile, int around);
 /// Prism of a simple polygon (anticlockwise) between two heights along z.
 TriangleMesh extrude(const std::vector<Point2>& profile, double z_low, double z_high);
 TriangleMesh cylinder(const Point2& centre, double radius, double z_low, double z_high, int segments);

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Free vibration of tetrahedra with CalculiX (Debian's calculix-ccx: SPOOLES for the factors, ARPACK for the modes)."""
+"""CalculiX (Debian's calculix-ccx): free vibration of tetrahedra (SPOOLES for the factors, ARPACK for the modes), and a
+pressure pulse on bricks by explicit dynamics."""
 from pathlib import Path
 
 import numpy as np
@@ -54,3 +55,59 @@ def solve(ccx, folder, name, nodes, tets, material, modes, run):
         raise CalculixError(f"{data}: sixth frequency {found[RIGID_MODES - 1]:.6g} is not rigid beside {elastic[0]:.6g}; "
                             "is the part one connected body?")
     return elastic, measured
+
+
+# ------------------------------------------------------------------------------------------------------ explicit dynamics
+
+def write_pulse_deck(path, mesh, kind, material, pulse, end, probes):
+    """An explicit run of a free body of bricks under a pressure on their x = 0 faces.
+
+    mesh: nodes (n, 3), bricks (m, 8), loaded bricks; kind: C3D8 or C3D8R; pulse: lines (time, pressure), zero after the last
+    one; probes: nodes whose displacement is printed in every increment. CalculiX chooses the increment itself; with DIRECT it
+    would hang.
+    """
+    nodes, bricks, loaded = mesh
+    first_step = 1e-3 * end
+    with open(path, "w") as file:
+        file.write("*NODE, NSET=ALL\n")
+        np.savetxt(file, np.column_stack([np.arange(1, len(nodes) + 1), nodes]), fmt="%d, %.12g, %.12g, %.12g")
+        file.write(f"*ELEMENT, TYPE={kind}, ELSET=SOLID\n")
+        np.savetxt(file, np.column_stack([np.arange(1, len(bricks) + 1), bricks + 1]), fmt="%d", delimiter=", ")
+        for name, numbers in (("ELSET, ELSET=LOADED", loaded), ("NSET, NSET=PROBES", probes)):
+            file.write(f"*{name}\n" + "".join(f"{number + 1},\n" for number in numbers))
+        file.write("*AMPLITUDE, NAME=PULSE\n")
+        np.savetxt(file, np.vstack([pulse, [2 * end, 0]]), fmt="%.12g", delimiter=", ")
+        file.write(f"*MATERIAL, NAME=SOLID\n*ELASTIC\n{material['E']:.12g}, {material['nu']:.12g}\n"
+                   f"*DENSITY\n{material['rho']:.12g}\n*SOLID SECTION, ELSET=SOLID, MATERIAL=SOLID\n"
+                   f"*STEP, INC=10000000\n*DYNAMIC, EXPLICIT\n{first_step:.12g}, {end:.12g}\n"
+                   "*DLOAD, AMPLITUDE=PULSE\nLOADED, P6, 1.\n"  # face 6 of a brick: nodes 4-1-5-8, where x is least
+                   "*NODE PRINT, NSET=PROBES, FREQUENCY=1\nU\n*END STEP\n")
+
+
+def read_displacements(path, probes):
+    """Times (k) and displacements (k, len(probes), 3) of a .dat file, in the order of `probes`."""
+    times, rows = [], []
+    for line in Path(path).read_text().splitlines():
+        words = line.split()
+        if "time" in words:
+            times.append(float(words[-1]))
+        elif len(words) == 4 and words[0].isdigit():
+            rows.append([float(word) for word in words])
+    table = np.array(rows).reshape(len(times), -1, 4)
+    order = np.searchsorted(table[0, :, 0].astype(int), np.asarray(probes) + 1, sorter=np.argsort(table[0, :, 0]))
+    return np.array(times), table[:, np.argsort(table[0, :, 0])[order], 1:]
+
+
+def solve_pulse(ccx, folder, name, mesh, kind, material, pulse, end, probes, run):
+    """Times, displacements of the probes (times, probes, 3) and the measured run of CalculiX."""
+    folder = Path(folder)
+    write_pulse_deck(folder / f"{name}.inp", mesh, kind, material, pulse, end, probes)
+    log, data = folder / f"{name}.log", folder / f"{name}.dat"
+    data.unlink(missing_ok=True)
+    measured = run([ccx, name], log, folder)
+    if measured["exit_code"] != 0 or not data.exists():
+        raise CalculixError(f"{ccx} ended with exit code {measured['exit_code']} and no displacements; see {log}")
+    times, found = read_displacements(data, probes)
+    if len(times) == 0 or abs(times[-1] - end) > 1e-6 * end:
+        raise CalculixError(f"{data}: the run stopped at {times[-1] if len(times) else 0:.6g} of {end:.6g}; see {log}")
+    return times, found, measured

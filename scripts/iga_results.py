@@ -24,7 +24,7 @@ PARTS = {"eigen": "/eigen", "static": "/static", "explicit": "/time_series"}
 
 class Fields:
     """Fields of an explicit run at one time, by "<body>/<name>": displacement (vertices, 3), von_mises, strain (vertices),
-    coefficients (functions, 3), point_stress (points, 6) where it was asked for; `mesh` has vertices, triangles, …"""
+    coefficients (functions, 3), plastic_strain (vertices) of laws that have it, point_stress (points, 6), point_plastic_strain (points) where asked for; `mesh` has vertices, triangles, …"""
 
     def __init__(self, path, mesh=None):
         with h5py.File(path, "r") as file:
@@ -93,6 +93,14 @@ class Results:
         """Time series below /time_series/<below>, by name: series("rigid/sphere")["velocity"]."""
         start = f"/time_series/{below}/"
         return {path[len(start):]: values for path, values in self.data.items() if path.startswith(start)}
+
+    def mean_force(self, contact, window):
+        """Middles of the windows and the magnitude of a contact's mean force in each, from the impulse: no output rate
+        matters."""
+        time, impulse = self["/time_series/time"], self.series(f"contact/{contact}")["impulse"]
+        edges = np.arange(0, time[-1] + 0.5 * window, window)
+        means = np.diff([np.interp(edges, time, component) for component in impulse.T], axis=1) / window
+        return 0.5 * (edges[1:] + edges[:-1]), np.linalg.norm(means, axis=0)
 
     def num_fields(self):
         return len(self["/fields/time"]) if "/fields/time" in self else 0

@@ -182,14 +182,6 @@ def read_series(path):
     return results
 
 
-def mean_force(results, contact, window):
-    """Middles of the windows and the magnitude of the mean force in each, from the impulse: no output rate matters."""
-    time, impulse = results["/time_series/time"], results.series(f"contact/{contact}")["impulse"]
-    edges = np.arange(0, time[-1] + 0.5 * window, window)
-    steps = np.diff([np.interp(edges, time, component) for component in impulse.T], axis=1) / window
-    return 0.5 * (edges[1:] + edges[:-1]), np.linalg.norm(steps, axis=0)
-
-
 def plot_force(arguments):
     every = [read_checked(path, read_series) for path in arguments.files]
     labels = arguments.labels or [path.stem for path in arguments.files]
@@ -203,7 +195,7 @@ def plot_force(arguments):
     figure, axes = new_plot(arguments.title or f"Contact {contact}: force, means over {window:g}")
     curves = []
     for results, label in zip(every, labels):
-        time, force = mean_force(results, contact, window)
+        time, force = results.mean_force(contact, window)
         curves.append(force)
         impulse = np.linalg.norm(results.series(f"contact/{contact}")["impulse"][-1])
         axes.plot(time, force, linewidth=1.8, label=f"{label}: peak {force.max():.4g}, impulse {impulse:.4g}")

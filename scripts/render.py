@@ -9,7 +9,7 @@ Of results (igasolve eigen part.h5 … -o modes.h5, igasolve static …):
   <modes>_modes.png     the first six elastic modes on one sheet
   <modes>_mode_<n>.png  one mode each, for --mode n (numbers of the results file, the first is 1)
   <static>_static.png   the deformed part
-  <explicit>_frames.png six times of an explicit run, bodies and rigid bodies cut in half, in their true places
+  <explicit>_frames.png six times of an explicit run, cut in half, in their true places (--whole: not cut)
 
 Deformations are exaggerated so that the largest displacement is some per cent of the part, or by --scale; the part at rest
 is outlined. Needs h5py, matplotlib and the VTK that python3-paraview brings; without a screen it starts itself again under
@@ -30,8 +30,10 @@ def parse_arguments():
     model.add_argument("--axis", choices="uvw", help="grid axis across the layer of points (default: the part's thinnest)")
     model.add_argument("--at", type=float, default=0.5, help="place of the layer along that axis of the part, 0 … 1")
     results = parser.add_argument_group("results")
-    results.add_argument("--colour", choices=("displacement", "von_mises"),
-                         help="colour by |u| or von Mises stress (default: |u| for modes, von Mises stress otherwise)")
+    results.add_argument("--colour", choices=("displacement", "von_mises", "plastic_strain"),
+                         help="colour by |u|, von Mises stress or (explicit runs) equivalent plastic strain (default: |u| for "
+                              "modes, von Mises stress otherwise)")
+    results.add_argument("--whole", action="store_true", help="explicit runs: do not cut the bodies in half")
     results.add_argument("--scale", type=float, help="factor on displacements (default: chosen for each picture)")
     results.add_argument("--mode", type=int, nargs="+", default=[], metavar="N", help="draw these modes, one picture each")
     results.add_argument("--sight", type=float, nargs=3, metavar=("X", "Y", "Z"), default=(0.62, 1.0, -0.62),

@@ -1,4 +1,4 @@
-"""Pictures of an explicit run for render.py: deformed bodies at six times, cut in half."""
+"""Pictures of an explicit run for render.py: deformed bodies at six times, cut in half or whole."""
 import sys
 import xml.etree.ElementTree as ElementTree
 
@@ -10,14 +10,16 @@ from vtkmodules.vtkCommonDataModel import vtkPlane, vtkPolyData
 from vtkmodules.vtkFiltersCore import vtkClipPolyData
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
-from drawing import actor_of, picture, save, with_normals
+import sections
+from drawing import actor_of, picture, save, triangle_mesh, with_normals
 
 COLOURS = plt.get_cmap("turbo")
 FRAMES, COLUMNS = 6, 3
 TILE = (860, 720)
 RIGID_COLOUR = (0.72, 0.74, 0.77)
-FARTHEST = 1.5  # rigid bodies are drawn where they lie within this much more than half the size of the deformable ones
-QUANTITIES = {"displacement": "|u|", "von_mises": "von Mises stress"}
+SECTION_COLOUR, RIGID_SECTION_COLOUR = (0.90, 0.87, 0.80), (0.55, 0.57, 0.60)  # files hold fields of the surface alone
+FARTHEST = 1.5  # rigid bodies are drawn as far as this much more than half the size of the deformable ones
+QUANTITIES = {"displacement": "|u|", "von_mises": "von Mises stress", "plastic_strain": "equivalent plastic strain"}
 
 
 def read_times(file):
@@ -53,11 +55,6 @@ def points_of(poly):
     return vtk_to_numpy(poly.GetPoints().GetData())
 
 
-def is_near(poly, place, reach):
-    """Planes reach far beyond what is looked at."""
-    return bool((np.abs(points_of(poly) - place) <= reach).all())
-
-
 def half_of(poly, place, direction):
     plane = vtkPlane()
     plane.SetOrigin(*place)
@@ -67,6 +64,34 @@ def half_of(poly, place, direction):
     clip.SetClipFunction(plane)
     clip.Update()
     return clip.GetOutput()
+
+
+def is_closed(triangles):
+    """Every edge belongs to two triangles, once in each direction."""
+    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    numbers = edges[:, 0] * (triangles.max() + 1) + edges[:, 1]
+    reverse = edges[:, 1] * (triangles.max() + 1) + edges[:, 0]
+    return bool(np.array_equal(np.sort(numbers), np.sort(reverse)))
+
+
+def section_of(poly, place, direction):
+    """What the plane cuts of a closed surface, filled; None for open surfaces and where it cuts nothing."""
+    triangles = vtk_to_numpy(poly.GetPolys().GetConnectivityArray()).reshape(-1, 3)
+    if not is_closed(triangles):
+        return None
+    vertices, filled = sections.section(points_of(poly).astype(float), triangles, np.asarray(place), direction)
+    return triangle_mesh(vertices, filled) if len(filled) > 0 else None
+
+
+def is_near(poly, place, reach):
+    return bool((np.abs(points_of(poly) - place) <= reach).all())
+
+
+def near_part(poly, place, reach):
+    """Planes reach far beyond what is looked at; None where nothing is left."""
+    for direction in np.vstack([np.eye(3), -np.eye(3)]):
+        poly = half_of(poly, place - reach * direction, direction)
+    return poly if poly.GetNumberOfPoints() > 0 else None
 
 
 def coloured(poly, values, norm):
@@ -89,6 +114,7 @@ def draw(arguments, folder):
     top = max(np.percentile(quantity(part, colour), 99.8) for parts in bodies for part in parts) or 1.0
     norm = Normalize(0, top)
     cut, sight = (0.0, 1.0, 0.0), np.array([0.18, 1.0, -0.22])
+    shown = (lambda part: part) if arguments.whole else (lambda part: half_of(part, place, cut))  # noqa: E731
     everything = np.concatenate([points_of(part) for parts in bodies for part in parts])
     everything = np.concatenate([everything] + [points_of(part) for _, parts in frames for part in parts
                                                 if quantity(part, colour) is None and is_near(part, place, reach)])
@@ -103,12 +129,16 @@ def draw(arguments, folder):
         for part in parts:
             values = quantity(part, colour)
             if values is None:
-                if is_near(part, place, reach):
-                    actors.append(actor_of(with_normals(half_of(part, place, cut)), colour=RIGID_COLOUR))
+                if (near := near_part(part, place, reach)) is not None:
+                    actors.append(actor_of(with_normals(shown(near)), colour=RIGID_COLOUR))
+            else:
+                actors.append(actor_of(with_normals(shown(coloured(part, values, norm)))))
+                actors[-1].GetMapper().SetScalarVisibility(True)
+            if arguments.whole:
                 continue
-            actor = actor_of(with_normals(half_of(coloured(part, values, norm), place, cut)))
-            actor.GetMapper().SetScalarVisibility(True)
-            actors.append(actor)
+            filled = section_of(part, place, cut)
+            if filled is not None and (filled := near_part(filled, place, reach)) is not None:
+                actors.append(actor_of(filled, colour=RIGID_SECTION_COLOUR if values is None else SECTION_COLOUR, flat=True))
         pixels = picture(actors, sight, (0, 0, 1), np.stack([low, high]), TILE)
         row, column = divmod(number, COLUMNS)
         bottom = height - head - (row + 1) * (TILE[1] + caption)
@@ -117,7 +147,7 @@ def draw(arguments, folder):
         axes.axis("off")
         figure.text((column + 0.5) * TILE[0] / width, (bottom + 0.55 * caption) / height, f"t = {time:.4g}", fontsize=19,
                     color="#20242a", ha="center", va="center")
-    figure.text(36 / width, 1 - 50 / height, f"{file.stem}: bodies cut in half, in their true places", fontsize=26,
+    figure.text(36 / width, 1 - 50 / height, f"{file.stem}: {'bodies' if arguments.whole else 'bodies cut in half,'} in their true places", fontsize=26,
                 weight="bold", color="#20242a", va="center")
     bar_axes = figure.add_axes([0.32, 70 / height, 0.36, 20 / height])
     bar = figure.colorbar(plt.cm.ScalarMappable(norm, COLOURS), cax=bar_axes, orientation="horizontal", extend="max")

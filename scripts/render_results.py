@@ -40,6 +40,8 @@ class Shapes:
 
     def values(self, step, colour):
         """What the colour shows at every vertex."""
+        if colour not in LABELS:
+            sys.exit("render.py: only explicit runs have a plastic strain; use --colour displacement or von_mises")
         if colour == "displacement":
             return np.linalg.norm(self.displacement(step), axis=1)
         if "/surface/von_mises" not in self.results:

@@ -72,7 +72,9 @@ void write_fields(const std::filesystem::path& path, double time, const std::vec
     group.add(field::displacement, body.displacement, 3);
     group.add(field::von_mises, body.von_mises);
     group.add(field::strain, body.strain);
+    if (!body.plastic_strain.empty()) group.add(field::plastic_strain, body.plastic_strain);
     if (!body.point_stress.empty()) group.add(field::point_stress, body.point_stress, 6);
+    if (!body.point_plastic_strain.empty()) group.add(field::point_plastic_strain, body.point_plastic_strain);
   }
   file.commit();
 }

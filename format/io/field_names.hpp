@@ -28,7 +28,10 @@ constexpr DatasetText coefficients{"coefficients", "length", "(active function; 
 constexpr DatasetText displacement{"displacement", "length", "(vertex; x y z)", "displacement of the surface"};
 constexpr DatasetText von_mises{"von_mises", "force/length^2", "(vertex)", "von Mises stress of the Cauchy stress"};
 constexpr DatasetText strain{"strain", "1", "(vertex)", "largest principal logarithmic strain, by size"};
+constexpr DatasetText plastic_strain{"plastic_strain", "1", "(vertex)", "equivalent plastic strain"};
 constexpr DatasetText point_stress{"point_stress", "force/length^2", "(point; xx yy zz xy yz zx)",
                                    "Cauchy stress at the model's quadrature points"};
+constexpr DatasetText point_plastic_strain{"point_plastic_strain", "1", "(point)",
+                                           "equivalent plastic strain at the model's quadrature points"};
 
 } // namespace iga::io::field_names

@@ -177,11 +177,13 @@ struct BodyMesh {
 /// Fields of one body at one time.
 struct BodyFields {
   std::string name;
-  std::vector<double> coefficients; ///< (n_f × 3) of the displacement, length
-  std::vector<double> displacement; ///< (n_v × 3) of the surface's vertices, length
-  std::vector<double> von_mises;    ///< (n_v); of the Cauchy stress, smoothed; force/length²
-  std::vector<double> strain;       ///< (n_v); largest principal logarithmic strain by size, smoothed
-  std::vector<double> point_stress; ///< (n_points × 6) Cauchy at the model's quadrature points, or empty; xx … zx
+  std::vector<double> coefficients;   ///< (n_f × 3) of the displacement, length
+  std::vector<double> displacement;   ///< (n_v × 3) of the surface's vertices, length
+  std::vector<double> von_mises;      ///< (n_v); of the Cauchy stress, smoothed; force/length²
+  std::vector<double> strain;         ///< (n_v); largest principal logarithmic strain by size, smoothed
+  std::vector<double> plastic_strain; ///< (n_v); equivalent plastic strain, smoothed, or empty
+  std::vector<double> point_stress;   ///< (n_points × 6) Cauchy at the model's quadrature points, or empty; xx … zx
+  std::vector<double> point_plastic_strain; ///< (n_points), or empty
 };
 
 /// All that one results file holds; parts that an analysis has not are absent.

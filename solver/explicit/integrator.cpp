@@ -57,7 +57,7 @@ void Integrator::start(std::vector<StartStep> limits) {
     momenta_[b].angular = momenta_[b].angular_start = sums.angular;
   }
   kick();
-  start_energy_ = energy_.total();
+  now_.start_energy = energy_.total();
 }
 
 void Integrator::step() {
@@ -70,16 +70,16 @@ void Integrator::run(const std::function<bool(const Integrator&)>& stop) {
 }
 
 void Integrator::drift() {
-  for (ExplicitBody* body : bodies_) update_displacement(*body, dt_next_);
+  for (ExplicitBody* body : bodies_) update_displacement(*body, now_.dt_next);
   // The last step was cut so that it ends there.
-  time_ = dt_next_ >= settings_.end_time - time_ ? settings_.end_time : time_ + dt_next_;
-  dt_last_ = dt_next_;
-  ++steps_;
+  now_.time = now_.dt_next >= settings_.end_time - now_.time ? settings_.end_time : now_.time + now_.dt_next;
+  now_.dt_last = now_.dt_next;
+  ++now_.steps;
 }
 
 void Integrator::follow(double limit) {
-  StepControl& control = control_;
-  if (steps_ == 0) control = {settings_.start_share * limit, settings_.start_share * limit, limit, limit, 0};
+  StepControl& control = now_.control;
+  if (now_.steps == 0) control = {settings_.start_share * limit, settings_.start_share * limit, limit, limit, 0};
   control.least = std::min(control.least, limit);
   if (++control.count >= settings_.hold) {
     control.target = std::max(control.target, std::min(control.least_before, control.least));
@@ -95,35 +95,35 @@ StepTimes Integrator::times() const {
   // x = dt ω_max of the body that limits the step, its own viscous stress included.
   double x = 0;
   for (std::size_t b = 0; b < bodies_.size(); ++b)
-    x = std::max(x, 2 * dt_next_ / (limits_[b].dt * reports_[b].step_factor));
-  return {time_, dt_last_, dt_next_, std::max(0.0, 4 - x * x), 4 - 4 * settings_.safety * settings_.safety};
+    x = std::max(x, 2 * now_.dt_next / (limits_[b].dt * reports_[b].step_factor));
+  return {now_.time, now_.dt_last, now_.dt_next, std::max(0.0, 4 - x * x), 4 - 4 * settings_.safety * settings_.safety};
 }
 
 void Integrator::kick() {
   evaluate_internal();
   choose_step();
   evaluate_external();
-  kinetic_ = 0;
+  now_.kinetic = 0;
   for (std::size_t b = 0; b < bodies_.size(); ++b) kick_body(b);
   balance();
 }
 
 void Integrator::evaluate_internal() {
-  closed_.internal += open_.internal;
-  closed_.load += open_.load;
-  closed_.damping += open_.damping;
-  closed_.viscous += open_.viscous;
-  open_ = {};
+  now_.closed.internal += now_.open.internal;
+  now_.closed.load += now_.open.load;
+  now_.closed.damping += now_.open.damping;
+  now_.closed.viscous += now_.open.viscous;
+  now_.open = {};
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    const ForceReport report = reports_[b] = bodies_[b]->evaluate_forces(dt_last_);
-    closed_.viscous += report.viscous_power * dt_last_ / 2;
+    const ForceReport report = reports_[b] = bodies_[b]->evaluate_forces(now_.dt_last);
+    now_.closed.viscous += report.viscous_power * now_.dt_last / 2;
     inverted_[b] += report.inverted;
     eroded_[b] += report.eroded;
-    eroded_energy_ += report.eroded_energy;
+    now_.eroded_energy += report.eroded_energy;
     if (report.inverted > 0 && bodies_[b]->settings().stop_at_inverted)
       throw NumericalError(fmt::format("t = {:.6g}: {} points of body '{}' inverted, the first {}; choose another way "
                                        "to treat inverted points, a stiffer law or smaller steps",
-                                       time_, report.inverted, bodies_[b]->settings().name,
+                                       now_.time, report.inverted, bodies_[b]->settings().name,
                                        place(b, report.inverted_span)));
   }
 }
@@ -141,19 +141,19 @@ void Integrator::choose_step() {
     throw NumericalError(fmt::format(
         "t = {:.6g}: the time step fell to {:.3g}, below {:g} of the first one ({:.3g}), for body '{}' {}; smallest "
         "volume ratio there {:.3g}; the material is crushed beyond its law or the contact is too stiff",
-        time_, dt, settings_.floor, first, bodies_[limiting]->settings().name,
+        now_.time, dt, settings_.floor, first, bodies_[limiting]->settings().name,
         place(limiting, reports_[limiting].step_span), reports_[limiting].min_J));
   if (settings_.largest_dt > 0) dt = std::min(dt, settings_.largest_dt);
   for (const PenaltySource* source : penalties_) dt = std::min(dt, source->largest_step());
   follow(dt);
-  dt = control_.dt;
+  dt = now_.control.dt;
   // The last two steps share what is left, so that none is tiny.
-  const double left = settings_.end_time - time_;
+  const double left = settings_.end_time - now_.time;
   if (left > 0 && dt >= left * (1 - 1e-9))
     dt = left;
   else if (left > 0 && 2 * dt > left)
     dt = left / 2;
-  dt_next_ = dt;
+  now_.dt_next = dt;
 }
 
 void Integrator::evaluate_external() {
@@ -171,16 +171,16 @@ void Integrator::evaluate_external() {
   for (std::size_t b = 0; b < bodies_.size(); ++b) states[b].force = &external_[b].penalty;
   for (PenaltySource* source : penalties_) {
     const PenaltyEnergy added = source->add_forces(times(), states);
-    penalty_.stored += added.stored;
-    penalty_.friction += added.friction;
-    penalty_.damping += added.damping;
+    now_.penalty.stored += added.stored;
+    now_.penalty.friction += added.friction;
+    now_.penalty.damping += added.damping;
   }
   constrain();
   for (PenaltySource* source : penalties_) source->advance(times());
 }
 
 NodeForces Integrator::forces_on(std::size_t b) const {
-  NodeForces forces{nullptr, nullptr, dt_last_, dt_next_};
+  NodeForces forces{nullptr, nullptr, now_.dt_last, now_.dt_next};
   if (external_[b].load.size() > 0) forces.load = &external_[b].load;
   if (external_[b].penalty.size() > 0) forces.penalty = &external_[b].penalty;
   return forces;
@@ -204,14 +204,14 @@ void Integrator::constrain() {
 
 void Integrator::kick_body(std::size_t b) {
   const NodeSums sums = update_momentum(*bodies_[b], forces_on(b));
-  closed_.internal += sums.before.internal * dt_last_ / 2;
-  closed_.load += sums.before.load * dt_last_ / 2;
-  closed_.damping += sums.before.damping * dt_last_ / 2;
-  open_.internal += sums.after.internal * dt_next_ / 2;
-  open_.load += sums.after.load * dt_next_ / 2;
-  open_.damping += sums.after.damping * dt_next_ / 2;
-  open_.viscous += reports_[b].viscous_power * dt_next_ / 2;
-  kinetic_ += sums.kinetic;
+  now_.closed.internal += sums.before.internal * now_.dt_last / 2;
+  now_.closed.load += sums.before.load * now_.dt_last / 2;
+  now_.closed.damping += sums.before.damping * now_.dt_last / 2;
+  now_.open.internal += sums.after.internal * now_.dt_next / 2;
+  now_.open.load += sums.after.load * now_.dt_next / 2;
+  now_.open.damping += sums.after.damping * now_.dt_next / 2;
+  now_.open.viscous += reports_[b].viscous_power * now_.dt_next / 2;
+  now_.kinetic += sums.kinetic;
   momenta_[b].linear = sums.linear;
   momenta_[b].angular = sums.angular;
   momenta_[b].linear_impulse += sums.linear_impulse;
@@ -219,18 +219,18 @@ void Integrator::kick_body(std::size_t b) {
 }
 
 void Integrator::balance() {
-  energy_.internal = closed_.internal - closed_.viscous - eroded_energy_;
-  energy_.kinetic = kinetic_;
-  energy_.contact = penalty_.stored;
-  energy_.friction = penalty_.friction;
-  energy_.damping = closed_.damping + closed_.viscous + penalty_.damping;
-  energy_.external = closed_.load;
-  energy_.eroded = eroded_energy_;
+  energy_.internal = now_.closed.internal - now_.closed.viscous - now_.eroded_energy;
+  energy_.kinetic = now_.kinetic;
+  energy_.contact = now_.penalty.stored;
+  energy_.friction = now_.penalty.friction;
+  energy_.damping = now_.closed.damping + now_.closed.viscous + now_.penalty.damping;
+  energy_.external = now_.closed.load;
+  energy_.eroded = now_.eroded_energy;
   for (const PenaltySource* source : penalties_) {
     energy_.kinetic += source->kinetic_energy();
     energy_.external += source->external_work();
   }
-  largest_energy_ = std::max(largest_energy_, energy_.scale());
+  now_.largest_energy = std::max(now_.largest_energy, energy_.scale());
   std::size_t worst = 0; // body
   for (std::size_t b = 1; b < bodies_.size(); ++b)
     if (reports_[b].min_J < reports_[worst].min_J) worst = b;
@@ -241,15 +241,15 @@ void Integrator::balance() {
   if (!std::isfinite(energy_.total()))
     throw NumericalError(fmt::format("t = {:.6g}, step {}: the motion is no longer finite; {}; use a smaller safety "
                                      "factor of the time step",
-                                     time_, steps_, likely()));
-  if (settings_.energy_limit > 0 && steps_ > 0 && energy_error() > settings_.energy_limit)
+                                     now_.time, now_.steps, likely()));
+  if (settings_.energy_limit > 0 && now_.steps > 0 && energy_error() > settings_.energy_limit)
     throw NumericalError(fmt::format("t = {:.6g}, step {}: the energy balance is off by {:.3g} of the largest energy, "
                                      "at most {:g} is allowed; {}; use a smaller safety factor of the time step",
-                                     time_, steps_, energy_error(), settings_.energy_limit, likely()));
+                                     now_.time, now_.steps, energy_error(), settings_.energy_limit, likely()));
 }
 
 double Integrator::energy_error() const {
-  return largest_energy_ > 0 ? std::abs(energy_.total() - start_energy_) / largest_energy_ : 0;
+  return now_.largest_energy > 0 ? std::abs(energy_.total() - now_.start_energy) / now_.largest_energy : 0;
 }
 
 std::string Integrator::place(std::size_t b, std::int32_t span) const {
@@ -305,18 +305,7 @@ IntegratorState Integrator::save() const {
     state.bodies.push_back(std::move(saved));
   }
   for (const PenaltySource* source : penalties_) state.penalties.push_back(source->save());
-  state.time = time_;
-  state.dt_last = dt_last_;
-  state.dt_next = dt_next_;
-  state.control = control_;
-  state.steps = steps_;
-  state.closed = closed_;
-  state.open = open_;
-  state.penalty = penalty_;
-  state.kinetic = kinetic_;
-  state.eroded_energy = eroded_energy_;
-  state.start_energy = start_energy_;
-  state.largest_energy = largest_energy_;
+  state.progress = now_;
   return state;
 }
 
@@ -341,18 +330,7 @@ void Integrator::load(const IntegratorState& state, std::vector<StartStep> limit
     eroded_[b] = saved.eroded;
   }
   for (std::size_t s = 0; s < penalties_.size(); ++s) penalties_[s]->load(state.penalties[s]);
-  time_ = state.time;
-  dt_last_ = state.dt_last;
-  dt_next_ = state.dt_next;
-  control_ = state.control;
-  steps_ = state.steps;
-  closed_ = state.closed;
-  open_ = state.open;
-  penalty_ = state.penalty;
-  kinetic_ = state.kinetic;
-  eroded_energy_ = state.eroded_energy;
-  start_energy_ = state.start_energy;
-  largest_energy_ = state.largest_energy;
+  now_ = state.progress;
   balance();
 }
 

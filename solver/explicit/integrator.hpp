@@ -38,6 +38,17 @@ struct StepControl {
   std::int64_t count = 0;             ///< steps of that one
 };
 
+/// Time, step and books of a run.
+struct Progress {
+  double time = 0, dt_last = 0, dt_next = 0;
+  double kinetic = 0; ///< of the bodies
+  StepControl control;
+  std::int64_t steps = 0;
+  Works closed, open; ///< up to t_n; the first halves of the interval after it
+  PenaltyEnergy penalty;
+  double eroded_energy = 0, start_energy = 0, largest_energy = 0;
+};
+
 /// Everything that changes in a run, as plain numbers: a run that loads it goes on bit for bit.
 struct IntegratorState {
   struct Body {
@@ -49,12 +60,7 @@ struct IntegratorState {
   };
   std::vector<Body> bodies;
   std::vector<std::vector<double>> penalties;
-  double time = 0, dt_last = 0, dt_next = 0, kinetic = 0;
-  StepControl control;
-  std::int64_t steps = 0;
-  Works closed, open;
-  PenaltyEnergy penalty;
-  double eroded_energy = 0, start_energy = 0, largest_energy = 0;
+  Progress progress;
 };
 
 /// One step: u_n = u_{n-1} + dt v_{n-1/2}; forces at t_n; dt of the next step; p_{n+1/2} = p_{n-1/2} + dt_n (f_ext -
@@ -79,7 +85,7 @@ class Integrator {
   IntegratorState save() const;
 
   bool finished() const {
-    return time_ >= settings_.end_time || (settings_.max_steps > 0 && steps_ >= settings_.max_steps);
+    return now_.time >= settings_.end_time || (settings_.max_steps > 0 && now_.steps >= settings_.max_steps);
   }
   /// @throws NumericalError where the run blew up (NaN), the step fell below the floor, a point inverted that must not,
   /// or the energy is lost, with time, place and what to do
@@ -87,9 +93,9 @@ class Integrator {
   /// Steps until the end or until stop(*this) holds.
   void run(const std::function<bool(const Integrator&)>& stop = {});
 
-  double time() const { return time_; }
-  double dt() const { return dt_next_; } ///< of the step to come
-  std::int64_t steps() const { return steps_; }
+  double time() const { return now_.time; }
+  double dt() const { return now_.dt_next; } ///< of the step to come
+  std::int64_t steps() const { return now_.steps; }
   const std::vector<StartStep>& limits() const { return limits_; }
   const EnergyBalance& energy() const { return energy_; }
   /// |total - that of the start| / the largest of internal, kinetic and external energy so far.
@@ -131,14 +137,8 @@ class Integrator {
   std::vector<External> external_;
   std::vector<MomentumBalance> momenta_;
   std::vector<std::int64_t> inverted_, eroded_;
-  double time_ = 0, dt_last_ = 0, dt_next_ = 0;
-  StepControl control_;
-  std::int64_t steps_ = 0;
+  Progress now_;
   EnergyBalance energy_;
-  double kinetic_ = 0;  // of the bodies
-  Works closed_, open_; // up to t_n; the first halves of the interval after it
-  PenaltyEnergy penalty_;
-  double eroded_energy_ = 0, start_energy_ = 0, largest_energy_ = 0;
 };
 
 } // namespace iga::solve

@@ -14,7 +14,8 @@
 //
 // and `reference_wave_speed()`: √(max eigenvalue of the acoustic tensor / density) at F = I with a fresh history; it is
 // what the Lanczos estimate of the time step at the start is scaled by. `small_strain()` gives the elastic constants
-// that this estimate works with. All laws: laws/laws.hpp.
+// that this estimate works with. A law with an equivalent plastic strain says where it lies in the history:
+// `static constexpr int plastic_strain`. All laws: laws/laws.hpp.
 #pragma once
 
 #include "solver/explicit/tensor_lanes.hpp"

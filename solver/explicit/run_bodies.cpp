@@ -3,6 +3,7 @@
 #include "solver/explicit/run_parts.hpp"
 
 #include <fmt/format.h>
+#include <numbers>
 
 namespace iga::solve {
 
@@ -32,12 +33,26 @@ LightTreatment read_light(io::SettingsTable& table, MassType mass) {
   return light;
 }
 
+// [bodies.place]
+Placement read_placement(io::SettingsTable&& table) {
+  Placement place;
+  place.shift = read_vector(table, "shift").value_or(Point3{});
+  place.about = read_vector(table, "about").value_or(Point3{});
+  const auto axis = read_vector(table, "axis");
+  const auto degrees = table.number("degrees");
+  if (axis.has_value() != degrees.has_value())
+    refuse(table, axis ? "axis" : "degrees", "a turn needs both axis = [x, y, z] and degrees");
+  if (axis) place.R = rotation_about(unit_vector(table, "axis", *axis), *degrees * std::numbers::pi / 180);
+  return place;
+}
+
 BodyRun read_body(io::SettingsTable& table, const Point3& gravity, ExplicitRun& run) {
   BodyRun body;
   const auto model = table.path("model");
   if (!model) refuse(table, "model", "missing; give a model file made by igaprep");
   body.model = *model;
   body.where = place_of(table, "model");
+  body.place = read_placement(table.table("place"));
   if (!std::filesystem::exists(body.model))
     refuse(table, "model", fmt::format("there is no file {}", body.model.string()));
   run.inputs.push_back(body.model);

@@ -31,8 +31,8 @@ FrictionLaw read_friction(io::SettingsTable& table) {
 
 ContactRun read_contact(io::SettingsTable& table, ExplicitRun& run) {
   ContactRun contact;
-  contact.where = place_of(table, "bodies");
   ContactPair& pair = contact.pair;
+  pair.where = place_of(table, "bodies");
   const auto names = table.texts("bodies");
   const auto self = table.text("self");
   if (self.has_value() == names.has_value())

@@ -16,6 +16,8 @@ void read_time(io::SettingsTable& root, ExplicitRun& run) {
   if (!(s.end_time > 0)) refuse(time, "end", fmt::format("found {:g}, expected a time above 0", s.end_time));
   s.safety = number_from(time, "safety", s.safety, 0, true);
   if (s.safety > 1) refuse(time, "safety", fmt::format("found {:g}, expected at most 1", s.safety));
+  s.start_share = number_from(time, "start_share", s.start_share, 0, true);
+  if (s.start_share > 1) refuse(time, "start_share", fmt::format("found {:g}, expected at most 1", s.start_share));
   s.largest_dt = number_from(time, "dt_max", 0, 0);
   run.smallest_dt = number_from(time, "dt_min", 0, 0);
   if (s.largest_dt > 0 && run.smallest_dt >= s.largest_dt)

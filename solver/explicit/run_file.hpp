@@ -8,6 +8,7 @@
 #include "solver/explicit/loads/driven_region.hpp"
 #include "solver/explicit/loads/timed_loads.hpp"
 #include "solver/explicit/material_settings.hpp"
+#include "solver/explicit/placement.hpp"
 
 #include <filesystem>
 #include <optional>
@@ -18,6 +19,7 @@ namespace iga::solve {
 struct BodyRun {
   std::string where;
   std::filesystem::path model;
+  Placement place; ///< of the model in the run
   MaterialSettings material{.law = NeoHookean{}, .inversion = {}, .name = {}, .warnings = {}};
   BodySettings body;
   Point3 velocity{}, spin{};    ///< at the start; length/time and 1/time
@@ -34,7 +36,6 @@ struct RigidRun {
 
 /// One of [[contacts]]; sides are numbers of bodies and rigid bodies.
 struct ContactRun {
-  std::string where;
   ContactPair pair;
   bool swapped = false; ///< the first-named side is the rigid one
 };

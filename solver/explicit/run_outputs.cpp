@@ -99,9 +99,10 @@ void RunOutputs::write_viewer(const std::vector<BodyFields>& fields, std::size_t
     TriangleMesh mesh = samplers_[b].mesh().surface.mesh;
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
       for (std::size_t d = 0; d < 3; ++d) mesh.vertices[v][d] += fields[b].displacement[3 * v + d];
-    const std::vector<io::VtpArray> arrays{{"displacement", 3, fields[b].displacement},
-                                           {"von_mises", 1, fields[b].von_mises},
-                                           {"strain", 1, fields[b].strain}};
+    std::vector<io::VtpArray> arrays{{"displacement", 3, fields[b].displacement},
+                                     {"von_mises", 1, fields[b].von_mises},
+                                     {"strain", 1, fields[b].strain}};
+    if (!fields[b].plastic_strain.empty()) arrays.push_back({"plastic_strain", 1, fields[b].plastic_strain});
     io::write_vtp(folder_ / viewer_file(step, b), mesh, arrays, numbers);
   }
   for (std::size_t r = 0; r < rigid_.size(); ++r) {

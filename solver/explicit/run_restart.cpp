@@ -16,15 +16,16 @@ constexpr int format_major = 2;
 
 // Calls visit(number) for each scalar of the state, always in the same order.
 template <class State, class Visit> void for_each_number(State& s, Visit&& visit) {
-  for (auto* x : {&s.time, &s.dt_last, &s.dt_next, &s.kinetic, &s.control.dt, &s.control.target,
-                  &s.control.least_before, &s.control.least})
+  for (auto* x :
+       {&s.progress.time, &s.progress.dt_last, &s.progress.dt_next, &s.progress.kinetic, &s.progress.control.dt,
+        &s.progress.control.target, &s.progress.control.least_before, &s.progress.control.least})
     visit(*x);
-  visit(s.control.count);
-  visit(s.steps);
-  for (auto* works : {&s.closed, &s.open})
+  visit(s.progress.control.count);
+  visit(s.progress.steps);
+  for (auto* works : {&s.progress.closed, &s.progress.open})
     for (auto* x : {&works->internal, &works->load, &works->damping, &works->viscous}) visit(*x);
-  for (auto* x : {&s.penalty.stored, &s.penalty.friction, &s.penalty.damping, &s.eroded_energy, &s.start_energy,
-                  &s.largest_energy})
+  for (auto* x : {&s.progress.penalty.stored, &s.progress.penalty.friction, &s.progress.penalty.damping,
+                  &s.progress.eroded_energy, &s.progress.start_energy, &s.progress.largest_energy})
     visit(*x);
 }
 

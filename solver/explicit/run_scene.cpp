@@ -5,7 +5,6 @@
 #include "format/io/trimmed_model_io.hpp"
 #include "format/model/errors.hpp"
 #include "solver/explicit/contact/contact_surface.hpp"
-#include "solver/explicit/run_overlap.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -69,6 +68,7 @@ void ExplicitScene::add_bodies() {
   for (const BodyRun& body : run_.bodies) {
     io::stop_if_interrupted();
     models_.push_back(std::make_unique<TrimmedModel>(io::read_model(body.model)));
+    if (body.place != Placement{}) *models_.back() = placed(std::move(*models_.back()), body.place);
     const TrimmedModel& model = *models_.back();
     if (run_.units && *run_.units != model.length_unit)
       throw InputError(fmt::format("{}: the length unit of {} is \"{}\", but the run says \"{}\"; convert the material "
@@ -114,11 +114,10 @@ void ExplicitScene::add_contact() {
   for (const RigidRun& body : run_.rigid) rigid.push_back(body.body);
   std::vector<ContactPair> pairs;
   for (const ContactRun& contact : run_.contacts) {
-    check_regions(contact.where, contact.pair.first, surfaces);
-    check_regions(contact.where, contact.pair.second, surfaces);
+    check_regions(contact.pair.where, contact.pair.first, surfaces);
+    check_regions(contact.pair.where, contact.pair.second, surfaces);
     pairs.push_back(contact.pair);
   }
-  refuse_deep_overlap(run_, surfaces);
   contact_ = at(run_.file.string(), [&] {
     return std::make_unique<ContactModel>(std::move(surfaces), std::move(rigid), std::move(pairs), run_.contact);
   });
@@ -155,10 +154,7 @@ void ExplicitScene::make_integrator() {
 
 void ExplicitScene::start() {
   make_integrator();
-  at(run_.file.string(), [&] {
-    integrator_->start(limits_);
-    return 0;
-  });
+  integrator_->start(limits_);
 }
 
 void ExplicitScene::load(const IntegratorState& state, std::vector<StartStep> limits) {

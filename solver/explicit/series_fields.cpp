@@ -92,12 +92,12 @@ FieldSampler::FieldSampler(const ExplicitBody& body, const Law& law, int subdivi
   rows_ = vertex_rows(space_, mesh_.surface);
 }
 
-void FieldSampler::sample_points(std::vector<double>& stress, std::vector<double>& strain) const {
+FieldSampler::PointSamples FieldSampler::sample_points() const {
   const std::vector<double> F = deformation_gradients(space_, body_->full_displacement());
   const std::size_t n = F.size() / 9;
-  stress.assign(6 * n, 0);
-  strain.assign(n, 0);
   const LawAccess law = std::visit([](const auto& own) { return access(own); }, law_);
+  PointSamples samples{std::vector<double>(6 * n), std::vector<double>(n),
+                       std::vector<double>(law.plastic_strain >= 0 ? n : 0)};
   const PointHistory saved = body_->forces().save();
   const SpanPlan& plan = body_->forces().plan();
   const auto num_blocks = static_cast<std::size_t>(plan.num_point_blocks());
@@ -117,6 +117,8 @@ void FieldSampler::sample_points(std::vector<double>& stress, std::vector<double
     std::vector<Lanes> history(std::max<std::size_t>(history_size, 1));
     if (history_size > 0)
       std::memcpy(history.data(), &saved.history[lanes * history_size * b], history_size * sizeof(Lanes));
+    // Taken before the law is asked: without a rate the yield surface may lie lower, and the law would return to it.
+    const Lanes plastic = law.plastic_strain >= 0 ? history[static_cast<std::size_t>(law.plastic_strain)] : Lanes{};
     TensorLanes P;
     LawOutput out;
     law.stress(law.law.get(), in, history.data(), P, out);
@@ -129,13 +131,15 @@ void FieldSampler::sample_points(std::vector<double>& stress, std::vector<double
           Fq(a, c) = in.F(a, c)[l];
           Pq(a, c) = P(a, c)[l];
         }
-      strain[q] = largest_log_strain(Fq);
+      samples.strain[q] = largest_log_strain(Fq);
+      if (law.plastic_strain >= 0) samples.plastic_strain[q] = plastic[l];
       if (extra > 0 && saved.extra[lanes * extra * b + l] == 0) continue;
       const Matrix3 s = Pq * Fq.transpose() / out.J[l];
       const std::array<double, 6> components{s(0, 0), s(1, 1), s(2, 2), s(0, 1), s(1, 2), s(2, 0)};
-      std::copy(components.begin(), components.end(), &stress[6 * q]);
+      std::copy(components.begin(), components.end(), &samples.stress[6 * q]);
     }
   });
+  return samples;
 }
 
 std::vector<double> FieldSampler::carried(const std::vector<double>& at_points) const {
@@ -182,13 +186,16 @@ BodyFields FieldSampler::sample(bool points) const {
   const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>> c(u.data(), u.size() / 3, 3);
   const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> at_vertices = rows_ * c;
   fields.displacement.assign(at_vertices.data(), at_vertices.data() + at_vertices.size());
-  std::vector<double> stress, strain;
-  sample_points(stress, strain);
-  std::vector<double> mises(strain.size());
-  for (std::size_t q = 0; q < mises.size(); ++q) mises[q] = von_mises(&stress[6 * q]);
+  PointSamples samples = sample_points();
+  std::vector<double> mises(samples.strain.size());
+  for (std::size_t q = 0; q < mises.size(); ++q) mises[q] = von_mises(&samples.stress[6 * q]);
   fields.von_mises = carried(mises);
-  fields.strain = carried(strain);
-  if (points) fields.point_stress = std::move(stress);
+  fields.strain = carried(samples.strain);
+  if (!samples.plastic_strain.empty()) fields.plastic_strain = carried(samples.plastic_strain);
+  if (points) {
+    fields.point_stress = std::move(samples.stress);
+    fields.point_plastic_strain = std::move(samples.plastic_strain);
+  }
   return fields;
 }
 

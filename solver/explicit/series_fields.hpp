@@ -17,12 +17,16 @@ class FieldSampler {
   FieldSampler(const ExplicitBody& body, const Law& law, int subdivide);
 
   const BodyMesh& mesh() const { return mesh_; }
-  /// At the body's present state. @param points  with the stresses at the quadrature points
+  /// At the body's present state. @param points  with stresses and plastic strains at the quadrature points
   BodyFields sample(bool points) const;
 
  private:
-  /// σ (n_points × 6) by the law at the points' present history, no rates; and the largest principal ln U by size.
-  void sample_points(std::vector<double>& stress, std::vector<double>& strain) const;
+  struct PointSamples {
+    std::vector<double> stress;         ///< (n_points × 6) σ by the law at the points' present history, no rates
+    std::vector<double> strain;         ///< (n_points) the largest principal ln U by size
+    std::vector<double> plastic_strain; ///< (n_points), empty for laws without one
+  };
+  PointSamples sample_points() const;
   std::vector<double> carried(const std::vector<double>& at_points) const;
 
   const ExplicitBody* body_;

@@ -4,6 +4,7 @@
 // model files of igaprep: points and whole steps per second with the rules that they hold.
 #include "format/io/trimmed_model_io.hpp"
 #include "solver/explicit/integrator.hpp"
+#include "tests/bench/impact_foam.hpp"
 #include "tests/support/synthetic_model.hpp"
 
 #include <fmt/format.h>
@@ -73,15 +74,6 @@ TrimmedModel make_model(bool trimmed, int p, std::int64_t n) {
                                {high, high, p + 1.9}});
 }
 
-Law foam() {
-  FoamSettings settings;
-  settings.E = 0.05;
-  settings.density = 6e-8;
-  settings.tension_limit = 3e-4;
-  settings.yield = Curve({0, 0.4, 0.6, 0.7, 0.8, 0.9, 0.95}, {3e-4, 3.5e-4, 6e-4, 1.2e-3, 4e-3, 0.02, 0.05}, "foam");
-  return CrushableFoam(settings);
-}
-
 struct Rate {
   double by_cpu = 0, by_wall = 0; // points per second
   double cores = 0;               // CPU time over wall time of the best run by the wall clock
@@ -120,8 +112,8 @@ void run_model(const char* path, double seconds) {
   const TrimmedModel model = io::read_model(path);
   const Point3 h = model.grid.span_size();
   for (const auto& [name, law] : {std::pair<const char*, Law>{"neo-Hookean", neo_hookean(1, 0.3, 1)},
-                                  std::pair<const char*, Law>{"foam", foam()}}) {
-    ExplicitBody body(model, {.name = "part", .light = {LightFunctions::Linear, 0.05}}, law);
+                                  std::pair<const char*, Law>{"foam", bench::impact_foam()}}) {
+    ExplicitBody body(model, {.name = "part", .light = {LightFunctions::Linear, 0.01}}, law);
     const SpanPlan& plan = body.forces().plan();
     const auto points = static_cast<double>(plan.num_points);
     std::vector<double> u(3 * model.active_functions.size());
@@ -169,8 +161,9 @@ void run(std::int64_t n, double seconds) {
       const SolutionSpace space(model, {});
       std::vector<double> u(3 * model.active_functions.size());
       for (std::size_t k = 0; k < u.size(); ++k) u[k] = 0.01 * std::sin(1.3 * static_cast<double>(k));
-      const std::pair<const char*, Law> laws[]{
-          {"elastic", LinearElastic(isotropic(1, 0.3, 1))}, {"neo-Hookean", neo_hookean(1, 0.3, 1)}, {"foam", foam()}};
+      const std::pair<const char*, Law> laws[]{{"elastic", LinearElastic(isotropic(1, 0.3, 1))},
+                                               {"neo-Hookean", neo_hookean(1, 0.3, 1)},
+                                               {"foam", bench::impact_foam()}};
       for (const auto& [name, law] : laws) {
         const auto forces = make_internal_forces(space, law);
         const auto points = static_cast<double>(forces->plan().num_points);

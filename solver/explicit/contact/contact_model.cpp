@@ -74,10 +74,11 @@ PenaltyEnergy ContactModel::add_forces(const StepTimes& times, std::span<const B
   if (!started_)
     for (const StartOverlap& overlap : start_overlaps(bodies))
       if (overlap.is_deep())
-        throw InputError(fmt::format("contact '{}': the bodies overlap by {:.4g} at the start near ({:.6g}, {:.6g}, "
-                                     "{:.6g}), more than half a span ({:.4g}); move them apart",
-                                     overlap.pair, overlap.depth, overlap.place[0], overlap.place[1], overlap.place[2],
-                                     overlap.span_size));
+        throw InputError(
+            fmt::format("{}{}contact '{}': the bodies overlap by {:.4g} at the start near ({:.6g}, {:.6g}, "
+                        "{:.6g}), more than half a span ({:.4g}); move them apart",
+                        overlap.where, overlap.where.empty() ? "" : ": ", overlap.pair, overlap.depth, overlap.place[0],
+                        overlap.place[1], overlap.place[2], overlap.span_size));
   look_where_stale(bodies);
   move(bodies);
   find(bodies, times);

@@ -29,12 +29,12 @@ struct ContactReport {
 
 /// Two sides that lie in each other before the first step.
 struct StartOverlap {
-  std::string pair;
-  double depth = 0; ///< of the deepest vertex, length
-  Point3 place{};   ///< where that is
-  std::int64_t vertices = 0;
-  double span_size = 0;                                        ///< length
-  static constexpr double allowed = 0.5;                       ///< in spans
+  std::string pair, where;               ///< ContactPair
+  double depth = 0;                      ///< of the deepest point looked at: vertices, centres of rigid bodies; length
+  Point3 place{};                        ///< where that is
+  std::int64_t vertices = 0;             ///< that lie in the other side
+  double span_size = 0;                  ///< length
+  static constexpr double allowed = 0.5; ///< in spans
   bool is_deep() const { return depth > allowed * span_size; } ///< the bodies were placed wrongly
 };
 

@@ -30,6 +30,7 @@ struct ContactPair {
   double stiffness = 2;
   double damping = 0.03; ///< share of critical damping of the pair's mass on its spring; it takes from the budget
   bool edges = true;     ///< sharp edges touch each other and rigid bodies' corners touch faces
+  std::string where;     ///< opens messages about the pair, such as file and line; may be empty
 };
 
 struct ContactOptions {

@@ -86,8 +86,13 @@ std::vector<StartOverlap> ContactModel::start_overlaps(std::span<const BodyState
   }
   std::vector<StartOverlap> overlaps;
   for (const PairSearch& search : searches_) {
+    if (search.is_self()) continue;
     const double h = surfaces_[search.first()].span_size();
-    StartOverlap overlap{search.pair().name, 0, {}, 0, h};
+    StartOverlap overlap{search.pair().name, search.pair().where, 0, {}, 0, h};
+    const auto take = [&overlap](const Point3& x, double depth) {
+      if (depth > overlap.depth) overlap.place = x;
+      overlap.depth = std::max(overlap.depth, depth);
+    };
     const auto add = [&](std::size_t surface, const auto& depth_of) {
       const MovingSurface& s = surfaces_[surface];
       const auto& chosen = search.mask(surface).vertex;
@@ -98,20 +103,24 @@ std::vector<StartOverlap> ContactModel::start_overlaps(std::span<const BodyState
       for (std::size_t v = 0; v < depth.size(); ++v) {
         if (depth[v] <= touching * h) continue;
         ++overlap.vertices;
-        if (depth[v] > overlap.depth) overlap.place = s.positions()[v];
-        overlap.depth = std::max(overlap.depth, depth[v]);
+        take(s.positions()[v], depth[v]);
       }
     };
-    if (search.is_self()) continue;
     if (search.second() == PairSearch::npos) {
       const RigidState& body = rigid_[search.pair().second.number];
-      add(search.first(), [&](const Point3& x) { return -distance_to_shape(body.body().shape, body.to_body(x)).gap; });
+      const RigidShape& shape = body.body().shape;
+      add(search.first(), [&](const Point3& x) { return -distance_to_shape(shape, body.to_body(x)).gap; });
+      // A small shape inside a large body holds none of its vertices.
+      if (!std::holds_alternative<PlaneShape>(shape)) {
+        const Point3 centre = body.to_space({});
+        take(centre, Solid(surfaces_[search.first()]).depth(centre));
+      }
     } else {
       const Solid first(surfaces_[search.first()]), second(surfaces_[search.second()]);
       add(search.first(), [&](const Point3& x) { return second.depth(x); });
       add(search.second(), [&](const Point3& x) { return first.depth(x); });
     }
-    if (overlap.vertices > 0) overlaps.push_back(overlap);
+    if (overlap.depth > touching * h) overlaps.push_back(overlap);
   }
   return overlaps;
 }

@@ -74,11 +74,8 @@ double CrushableFoam::reference_wave_speed() const {
 void CrushableFoam::stress(const LawInput& in, Lanes* h, TensorLanes& P, LawOutput& out) const {
   const double modulus = elastic_.C(0, 0), wave_speed = std::sqrt(modulus / density), J_min = inversion_.smallest_J;
   for (int k = 0; k < num_packs; ++k) {
-    const PackTensor F = load(in.F, k);
-    const RateGeometry geometry(F, cofactor(F), J_min);
-    const RateIncrement step = rate_increment(F, load(in.F_old, k), geometry, J_min);
-    PackSymmetric sigma = rotated(load_symmetric(h, k), step.rotation);
-    add_elastic(sigma, step.strain, lambda_, mu_);
+    auto [geometry, step, sigma] =
+        RateTrial(load(in.F, k), load(in.F_old, k), load_symmetric(h, k), lambda_, mu_, J_min);
 
     const Pack gamma = 1.0 - geometry.clamped;
     const Curve::Piece piece = yield_.piece_at(max(gamma, 0.0));

@@ -72,11 +72,8 @@ void EllipticFoam::stress_with(const Yield& yield, const LawInput& in, Lanes* h,
   const double modulus = elastic_.C(0, 0), J_min = inversion_.smallest_J;
   const double a = 3 * mu_, b = (lambda_ + 2 * mu_ / 3) * alpha_squared_, kappa = 1 + alpha_squared_ / 9;
   for (int k = 0; k < num_packs; ++k) {
-    const PackTensor F = load(in.F, k);
-    const RateGeometry geometry(F, cofactor(F), J_min);
-    const RateIncrement step = rate_increment(F, load(in.F_old, k), geometry, J_min);
-    PackSymmetric sigma = rotated(load_symmetric(h, k), step.rotation);
-    add_elastic(sigma, step.strain, lambda_, mu_);
+    auto [geometry, step, sigma] =
+        RateTrial(load(in.F, k), load(in.F_old, k), load_symmetric(h, k), lambda_, mu_, J_min);
 
     const Pack strain = load(h[6], k), mean = (1.0 / 3.0) * trace(sigma);
     const Pack shear = (3 / kappa) * deviator_invariant(sigma), volume = (alpha_squared_ / kappa) * mean * mean;

@@ -39,6 +39,7 @@ struct EllipticFoamSettings {
 class EllipticFoam {
  public:
   static constexpr int history = 7;
+  static constexpr int plastic_strain = 6;
   static constexpr bool needs_old_F = true;
 
   /// @throws InputError for E, nu, density as isotropic(), plastic_nu outside its range, a curve as check_hardening(),

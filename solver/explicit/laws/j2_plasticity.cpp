@@ -117,11 +117,8 @@ Pack J2Plasticity::johnson_cook(const Pack& q, const Pack& strain, const Pack& w
 void J2Plasticity::stress(const LawInput& in, Lanes* h, TensorLanes& P, LawOutput& out) const {
   const double modulus = elastic_.C(0, 0), J_min = inversion_.smallest_J;
   for (int k = 0; k < num_packs; ++k) {
-    const PackTensor F = load(in.F, k);
-    const RateGeometry geometry(F, cofactor(F), J_min);
-    const RateIncrement step = rate_increment(F, load(in.F_old, k), geometry, J_min);
-    PackSymmetric sigma = rotated(load_symmetric(h, k), step.rotation);
-    add_elastic(sigma, step.strain, lambda_, mu_);
+    auto [geometry, step, sigma] =
+        RateTrial(load(in.F, k), load(in.F_old, k), load_symmetric(h, k), lambda_, mu_, J_min);
 
     const Pack strain = load(h[6], k), q = sqrt(3.0 * deviator_invariant(sigma));
     const PackMask yields = (q > yield_.piece_at(strain).value(strain)) & ~step.inverted;

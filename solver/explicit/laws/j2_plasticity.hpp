@@ -37,6 +37,7 @@ struct J2Settings {
 class J2Plasticity {
  public:
   static constexpr int history = 7;
+  static constexpr int plastic_strain = 6;
   static constexpr bool needs_old_F = true;
 
   /// @throws InputError for E, nu, density as isotropic(); unless the curve starts at 0, is positive and never falls;

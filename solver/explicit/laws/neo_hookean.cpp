@@ -2,8 +2,6 @@
 
 #include "solver/explicit/laws/pack_math.hpp"
 
-#include <cmath>
-
 namespace iga::solve {
 
 void NeoHookean::stress(const LawInput& in, Lanes*, TensorLanes& P, LawOutput& out) const {
@@ -26,17 +24,8 @@ void NeoHookean::stress(const LawInput& in, Lanes*, TensorLanes& P, LawOutput& o
   }
 }
 
-double NeoHookean::reference_wave_speed() const {
-  return std::sqrt((lambda + 2 * mu) / density);
-}
-
-ElasticMaterial NeoHookean::small_strain() const {
-  return isotropic(mu * (3 * lambda + 2 * mu) / (lambda + mu), lambda / (2 * (lambda + mu)), density);
-}
-
 NeoHookean neo_hookean(double E, double nu, double density, const InversionPolicy& inversion) {
-  const ElasticMaterial m = isotropic(E, nu, density);
-  return {.lambda = m.C(0, 1), .mu = m.C(3, 3), .density = density, .inversion = inversion};
+  return hyperelastic<NeoHookean>(E, nu, density, inversion);
 }
 
 } // namespace iga::solve

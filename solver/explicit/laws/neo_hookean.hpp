@@ -1,8 +1,7 @@
 // Compressible neo-Hookean solid: the law for large elastic deformation.
 #pragma once
 
-#include "solver/explicit/laws/inversion.hpp"
-#include "solver/material.hpp"
+#include "solver/explicit/laws/lame.hpp"
 
 namespace iga::solve {
 
@@ -20,8 +19,8 @@ struct NeoHookean {
 
   void start(Lanes*) const {}
   void stress(const LawInput& in, Lanes* h, TensorLanes& P, LawOutput& out) const;
-  double reference_wave_speed() const;
-  ElasticMaterial small_strain() const;
+  double reference_wave_speed() const { return plane_wave_speed(lambda, mu, density); }
+  ElasticMaterial small_strain() const { return from_lame(lambda, mu, density); }
 };
 
 /// @throws InputError as isotropic()

@@ -1,7 +1,5 @@
 #include "solver/explicit/laws/st_venant_kirchhoff.hpp"
 
-#include <cmath>
-
 namespace iga::solve {
 
 void StVenantKirchhoff::stress(const LawInput& in, Lanes*, TensorLanes& P, LawOutput& out) const {
@@ -35,17 +33,8 @@ void StVenantKirchhoff::stress(const LawInput& in, Lanes*, TensorLanes& P, LawOu
   }
 }
 
-double StVenantKirchhoff::reference_wave_speed() const {
-  return std::sqrt((lambda + 2 * mu) / density);
-}
-
-ElasticMaterial StVenantKirchhoff::small_strain() const {
-  return isotropic(mu * (3 * lambda + 2 * mu) / (lambda + mu), lambda / (2 * (lambda + mu)), density);
-}
-
 StVenantKirchhoff st_venant_kirchhoff(double E, double nu, double density, const InversionPolicy& inversion) {
-  const ElasticMaterial m = isotropic(E, nu, density);
-  return {.lambda = m.C(0, 1), .mu = m.C(3, 3), .density = density, .inversion = inversion};
+  return hyperelastic<StVenantKirchhoff>(E, nu, density, inversion);
 }
 
 } // namespace iga::solve

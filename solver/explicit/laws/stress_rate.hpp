@@ -90,6 +90,20 @@ inline void store_symmetric(Lanes* h, int k, const PackSymmetric& s) {
   for (int i = 0; i < 6; ++i) store(h[i], k, s.c[i]);
 }
 
+/// The beginning of every rate law: the stress of the last step turned, with the elastic increment of this one.
+struct RateTrial {
+  RateGeometry geometry;
+  RateIncrement step;
+  PackSymmetric sigma;
+
+  RateTrial(const PackTensor& F, const PackTensor& F_old, const PackSymmetric& last, double lambda, double mu,
+            double smallest_J)
+      : geometry(F, cofactor(F), smallest_J), step(rate_increment(F, F_old, geometry, smallest_J)),
+        sigma(rotated(last, step.rotation)) {
+    add_elastic(sigma, step.strain, lambda, mu);
+  }
+};
+
 /// The end of every rate law: P = (σ + viscous) cof F, and below smallest_J the spring of the policy Clamp, a pressure
 /// M (1 - J / smallest_J) (M the modulus of a plane wave: as stiff as the elastic material at smallest_J).
 ///

@@ -1,8 +1,6 @@
-// Contact where it goes wrong first: bodies placed in each other, speed, edges, spinning balls; Hertz' impact; motion
-// prescribed by projection.
+// Contact where it goes wrong first: bodies placed in each other, speed, edges, spinning balls; Hertz' impact.
 #include "format/model/errors.hpp"
 #include "solver/explicit/integrator.hpp"
-#include "solver/explicit/loads/projected_region.hpp"
 #include "tests/solver/explicit/contact_scene.hpp"
 
 #include <gtest/gtest.h>
@@ -64,6 +62,29 @@ TEST(StartOverlaps, TellDepthAndPlaceHoweverDeep) {
     EXPECT_LE(deep[0].place[d], 4.2);
   }
   EXPECT_THROW(inside->evaluate(), InputError);
+}
+
+TEST(StartOverlaps, ASmallBallInsideABodyHoldsNoVertexAndIsFound) {
+  const auto scene_with = [](const Point3& centre) {
+    ElasticBodies bodies;
+    bodies.push_back(make_body(placed_box({0, 0, 0}, {6, 6, 6}, {6, 6, 6}, 2), soft));
+    ContactPair pair = pair_of(deformable(0), rigid(0));
+    pair.where = "run.toml:7";
+    return std::make_unique<Scene>(std::move(bodies), std::vector<RigidBody>{{"ball", SphereShape{0.1}, centre, {}}},
+                                   std::vector<ContactPair>{pair});
+  };
+  const auto inside = scene_with({3.1, 2.9, 2.3});
+  const auto found = inside->contact.start_overlaps(inside->states());
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_NEAR(found[0].depth, 2.3, 1e-12);
+  try {
+    inside->evaluate();
+    ADD_FAILURE() << "not refused";
+  } catch (const InputError& error) {
+    EXPECT_TRUE(std::string(error.what()).starts_with("run.toml:7: contact '")) << error.what();
+  }
+  const auto outside = scene_with({3.1, 2.9, 6.3});
+  EXPECT_TRUE(outside->contact.start_overlaps(outside->states()).empty());
 }
 
 TEST(ContactAtSpeed, FastBallsBounceAndTooFastOnesAreRefused) {
@@ -145,40 +166,4 @@ TEST(ContactInTime, HeavyBallTakesHertzTimeToBounce) {
   EXPECT_NEAR((last - first) / (2.9432 * deepest / v), 1, 0.05);
   EXPECT_NEAR(deepest / wanted, 1, 0.1);
   EXPECT_NEAR(strongest / hertz, 1, 0.15);
-}
-
-TEST(ProjectedRegion, MovesARegionExactlyAndBooksItsWork) {
-  const TrimmedModel model = make_box_model(placed_box({0, 0, 0}, {3, 2, 2}, {4, 3, 3}, 2, 0.5));
-  const Law law = NeoHookean{.lambda = 50, .mu = 40, .density = 1e-2};
-  for (const MassType mass : {MassType::Lumped, MassType::TwoPass}) {
-    BodySettings settings;
-    settings.mass = mass;
-    if (mass == MassType::Lumped) settings.light = {LightFunctions::Linear, 0.05};
-    ExplicitBody body(model, settings, law);
-    DrivenRegion region;
-    region.name = "grip";
-    region.region.name = "u-";
-    region.motion[0] = TimeCurve({0, 1, 2}, {0, 0.5, 0.5}, TimeCurve::Between::Smooth, "pull");
-    region.motion[1] = TimeCurve(0.0);
-    ProjectedRegion drive(body.space(), 0, region);
-    IntegratorSettings run;
-    run.end_time = 2;
-    Integrator integrator({&body}, run);
-    integrator.add(drive);
-    integrator.start();
-    double error = 0, miss = 0;
-    while (!integrator.finished()) {
-      integrator.step();
-      miss = std::max(miss, drive.largest_miss());
-      if (integrator.time() > 0.5) error = std::max(error, integrator.energy_error());
-    }
-    const auto points = body.node_points();
-    double moved = 0;
-    for (Eigen::Index i = 0; i < points.rows(); ++i)
-      moved += body.displacement[3 * i] / static_cast<double>(points.rows());
-    std::printf("[          ] moved %.4f of 0.5, largest miss %.3g, energy error %.2e\n", moved, miss, error);
-    EXPECT_NEAR(moved, 0.5, 0.02);
-    EXPECT_LT(miss, 1e-8);
-    EXPECT_LT(error, 1e-2);
-  }
 }

@@ -1,6 +1,5 @@
 // Contact in time against closed forms: impact of bars, Hertz, sliding on an incline, bounce, pressed blocks.
 #include "solver/explicit/integrator.hpp"
-#include "solver/explicit/loads/driven_region.hpp"
 #include "solver/explicit/loads/timed_loads.hpp"
 #include "solver/sample_fields.hpp"
 #include "tests/solver/explicit/contact_scene.hpp"
@@ -228,39 +227,6 @@ TEST(ExplicitLoads, FollowerPressureTurnsWithTheBodyAndLoadsFollowTheirCurves) {
   EXPECT_NEAR(sum[0], 0, 1e-12);
   EXPECT_NEAR(sum[1], -1 * 2 * area, 1e-10); // half of the pressure on twice the area
   EXPECT_NEAR(sum[2], 1.5 * area, 1e-10);
-}
-
-TEST(RegionDrive, PullsABlockAlongItsTableAndBooksItsWork) {
-  const TrimmedModel model = make_box_model(placed_box({0, 0, 0}, {3, 2, 2}, {4, 3, 3}, 2, 0.5));
-  const Law law = NeoHookean{.lambda = 50, .mu = 40, .density = 1e-2};
-  BodySettings settings;
-  settings.light = {LightFunctions::Linear, 0.05};
-  ExplicitBody body(model, settings, law);
-  DrivenRegion region;
-  region.name = "grip";
-  region.region.name = "u-";
-  for (std::size_t d = 0; d < 3; ++d) region.motion[d] = TimeCurve(0.0);
-  region.motion[0] = TimeCurve({0, 1, 2}, {0, 0.5, 0.5}, TimeCurve::Between::Smooth, "pull");
-  RegionDrive drive(body.space(), 0, 1e-2, region);
-  IntegratorSettings run;
-  run.end_time = 2;
-  Integrator integrator({&body}, run);
-  integrator.add(drive);
-  integrator.start();
-  double error = 0, miss = 0;
-  while (!integrator.finished()) {
-    integrator.step();
-    miss = std::max(miss, drive.largest_miss());
-    if (integrator.time() > 0.5) error = std::max(error, integrator.energy_error());
-  }
-  const auto points = body.node_points();
-  double moved = 0;
-  for (Eigen::Index i = 0; i < points.rows(); ++i)
-    moved += body.displacement[3 * i] / static_cast<double>(points.rows());
-  std::printf("[          ] moved %.4f of 0.5, largest miss %.3g, energy error %.2e\n", moved, miss, error);
-  EXPECT_NEAR(moved, 0.5, 0.01);
-  EXPECT_LT(miss, 0.02);
-  EXPECT_LT(error, 1e-2);
 }
 
 TEST(ContactInTime, IntegratorKeepsEnergyAndMomentumOfALargeDeformationImpact) {

@@ -169,6 +169,29 @@ class ExplicitRunTest(unittest.TestCase):
             data = (self.path / entry.get("file")).read_bytes()
             self.assertTrue(data.startswith(b"<?xml") and data.rstrip().endswith(b"</VTKFile>"), entry.get("file"))
 
+    def test_plastic_strain_of_laws_that_have_one(self):
+        more = ", yield_stress = 0.01, hardening_modulus = 0.05, bulk_viscosity = [1.5, 0.06]"
+        (self.path / "metal.toml").write_text(run_text(law="j2", material=more, end=4, output="points = true"))
+        self.solve("metal.toml", "metal.h5", "--quiet")
+        results = iga_results.read(self.path / "metal.h5")
+        first, last = results.fields(0), results.fields(-1)
+        self.assertEqual(first["block/point_plastic_strain"].max(), 0)
+        points, surface = last["block/point_plastic_strain"], last["block/plastic_strain"]
+        self.assertEqual(len(points), len(last["block/point_stress"]))
+        self.assertEqual(len(surface), len(last.mesh["block/vertices"]))
+        self.assertGreater(points.max(), 0.001)
+        self.assertGreaterEqual(points.min(), 0)
+        self.assertTrue((surface >= -1e-15).all() and (surface <= points.max() * (1 + 1e-12)).all())  # carried without spikes
+        # Where it flows the stress lies on the yield surface.
+        s = last["block/point_stress"]
+        mises = np.sqrt(0.5 * ((s[:, 0] - s[:, 1]) ** 2 + (s[:, 1] - s[:, 2]) ** 2 + (s[:, 2] - s[:, 0]) ** 2)
+                        + 3 * (s[:, 3:] ** 2).sum(axis=1))
+        excess = mises - (0.01 + 0.05 * points)
+        self.assertLess(excess.max(), 1e-12)
+        self.assertIn(b'Name="plastic_strain"', (self.path / "metal_vtp" / "metal_0001_0.vtp").read_bytes())
+        self.solve("run.toml", "foam.h5", "--quiet")
+        self.assertNotIn("block/plastic_strain", iga_results.read(self.path / "foam.h5").fields(-1))
+
     def test_the_number_of_threads_changes_no_bit(self):
         self.solve("run.toml", "one.h5", "--threads", "1", "--quiet", "--force")
         self.solve("run.toml", "four.h5", "--threads", "4", "--quiet", "--force")

@@ -165,6 +165,25 @@ TEST_F(RunFile, SaysWhatIsWanted) {
   EXPECT_EQ(run.inputs.size(), 3u); // two models, a curve
 }
 
+TEST_F(RunFile, PlacesBodies) {
+  std::string text = good;
+  const std::string old = "edge_length = 0.5";
+  text.replace(text.find(old), old.size(),
+               "place = { axis = [0, 0, 2], degrees = 90, about = [1, 0, 0], shift = [0, 0, 5] }");
+  const ExplicitRun run = read(text);
+  const Point3 x = run.bodies[0].place.moved({3, 0, 1});
+  EXPECT_NEAR(x[0], 1, 1e-15);
+  EXPECT_NEAR(x[1], 2, 1e-15);
+  EXPECT_EQ(x[2], 6);
+  EXPECT_EQ(run.bodies[1].place, Placement{});
+  text = good;
+  text.replace(text.find(old), old.size(), "place = { degrees = 90 }");
+  EXPECT_NE(error_of(text).find("needs both axis"), std::string::npos);
+  text = good;
+  text.replace(text.find(old), old.size(), "place = { shfit = [0, 0, 1] }");
+  EXPECT_NE(error_of(text).find("did you mean 'shift'"), std::string::npos) << error_of(text);
+}
+
 struct Wrong {
   const char *from, *to; ///< change of the good file
   std::vector<const char*> words;
@@ -209,6 +228,7 @@ TEST_F(RunFile, WrongSettingsAreRefusedWithTheirPlace) {
       {"end = 8", "end = 0", {"'end' in [time]", "above 0"}},
       {"end = 8", "ende = 8", {"'end' in [time]: missing"}},
       {"safety = 0.8", "safety = 1.5", {"at most 1"}},
+      {"dt_min = 1e-6", "dt_min = 1e-6\nstart_share = 1.1", {"expected at most 1"}},
       {"dt_min = 1e-6", "dt_min = 0.6", {"less than dt_max"}},
       {"limit = 0.3", "limits = 0.3", {"unknown key", "'limit' in [energy]"}},
       {"interval = 0.1\n", "interval = 1e-9\n", {"more than 1e+06"}},
@@ -243,11 +263,11 @@ RestartState some_state() {
   body.report.step_span = 7;
   body.inverted = 11;
   r.state.penalties = {{}, {std::numeric_limits<double>::max(), 4294967295.0}};
-  r.state.time = 0.1 + 0.2;
-  r.state.control.count = 9;
-  r.state.steps = 123456789;
-  r.state.open.viscous = 1e-300;
-  r.state.largest_energy = 8;
+  r.state.progress.time = 0.1 + 0.2;
+  r.state.progress.control.count = 9;
+  r.state.progress.steps = 123456789;
+  r.state.progress.open.viscous = 1e-300;
+  r.state.progress.largest_energy = 8;
   r.sums = {1, 2, 3};
   r.rows = 5;
   r.next_field = 3;
@@ -268,10 +288,10 @@ TEST(RestartFile, GivesBackEveryBit) {
   EXPECT_EQ(back.state.bodies[0].report.step_span, 7);
   EXPECT_EQ(back.state.bodies[0].inverted, 11);
   EXPECT_EQ(back.state.penalties, r.state.penalties);
-  EXPECT_EQ(back.state.time, r.state.time);
-  EXPECT_EQ(back.state.control.count, 9);
-  EXPECT_EQ(back.state.steps, 123456789);
-  EXPECT_EQ(back.state.open.viscous, 1e-300);
+  EXPECT_EQ(back.state.progress.time, r.state.progress.time);
+  EXPECT_EQ(back.state.progress.control.count, 9);
+  EXPECT_EQ(back.state.progress.steps, 123456789);
+  EXPECT_EQ(back.state.progress.open.viscous, 1e-300);
   EXPECT_EQ(back.limits[0].dt, 0.57);
   EXPECT_FALSE(back.limits[0].by_lanczos);
   EXPECT_EQ(back.sums, r.sums);

@@ -1,9 +1,12 @@
 // What a run is made of, together: contact with a rigid body, constraints of the velocity, initial fields, the end of a
 // run, hard vibrations.
+#include "format/model/vec3.hpp"
 #include "solver/explicit/integrator.hpp"
+#include "solver/explicit/placement.hpp"
 #include "tests/solver/explicit/contact_scene.hpp"
 
 #include <gtest/gtest.h>
+#include <numbers>
 
 using namespace iga;
 using namespace iga::solve;
@@ -227,4 +230,59 @@ TEST(ExplicitRun, HardVibrationsKeepTheirEnergyAtNineTenthsOfTheLimit) {
   });
   EXPECT_LT(smallest, 0.75);
   EXPECT_LT(worst, 1e-2);
+}
+
+TEST(Placement, MovesAModelAsARigidBody) {
+  const TrimmedModel before = trimmed_block(2);
+  const Placement place{rotation_about({0, 0.6, 0.8}, 0.9), {1, -2, 3}, {40, 5, -7}};
+  const TrimmedModel after = placed(before, place);
+  EXPECT_TRUE(check(after).empty());
+  const auto expect_near = [](const Point3& a, const Point3& b) {
+    for (std::size_t d = 0; d < 3; ++d) EXPECT_NEAR(a[d], b[d], 1e-12);
+  };
+  const auto row = [](const std::vector<double>& rows, std::size_t k) {
+    return Point3{rows[3 * k], rows[3 * k + 1], rows[3 * k + 2]};
+  };
+  for (std::size_t q = 0; q < before.points.weights.size(); q += 7)
+    expect_near(after.grid.to_position(row(after.points.parameters, q)),
+                place.moved(before.grid.to_position(row(before.points.parameters, q))));
+  const EmbeddedSurface &own = before.surface, &moved = after.surface;
+  for (std::size_t v = 0; v < own.mesh.vertices.size(); ++v)
+    expect_near(moved.mesh.vertices[v], place.moved(own.mesh.vertices[v]));
+  for (std::size_t q = 0; q < own.quadrature.weights.size(); q += 5) {
+    expect_near(row(moved.quadrature.normals, q), place.turned(row(own.quadrature.normals, q)));
+    expect_near(after.grid.to_position(row(moved.quadrature.parameters, q)),
+                place.moved(before.grid.to_position(row(own.quadrature.parameters, q))));
+  }
+  expect_near(rotation_about({0, 0, 1}, std::numbers::pi / 2)[0], {0, -1, 0});
+}
+
+TEST(Placement, APlacedBodyVibratesAsItWould) {
+  const TrimmedModel before = trimmed_block(2);
+  const Placement place{rotation_about({0, 0.6, 0.8}, 0.9), {1, -2, 3}, {40, 5, -7}};
+  const TrimmedModel after = placed(before, place);
+  ExplicitBody here(before, extended(), rubber()), there(after, extended(), rubber());
+  here.set_velocity([](const Point3& x) { return hard_motion(x); });
+  Placement back = place; // its inverse, of directions about a point
+  for (std::size_t a = 0; a < 3; ++a)
+    for (std::size_t b = 0; b < 3; ++b) back.R[a][b] = place.R[b][a];
+  there.set_velocity([&](const Point3& x) {
+    const Point3 y = plus(back.turned(minus(minus(x, place.shift), place.about)), place.about);
+    return place.turned(hard_motion(y));
+  });
+  Integrator first({&here}, {.end_time = 1e9, .max_steps = 200}), second({&there}, {.end_time = 1e9, .max_steps = 200});
+  const StartStep limit = here.start_step(); // Lanczos begins with vectors of its own in each of them
+  EXPECT_NEAR(there.start_step().dt, limit.dt, 1e-5 * limit.dt);
+  first.start({limit});
+  second.start({limit});
+  first.run();
+  second.run();
+  EXPECT_NEAR(second.time(), first.time(), 1e-9 * first.time());
+  EXPECT_NEAR(second.energy().internal, first.energy().internal, 1e-8 * first.energy().kinetic);
+  for (Eigen::Index n = 0; n < here.space().num_nodes(); ++n) {
+    const Vector3d u = here.displacement.segment<3>(3 * n);
+    const Point3 turned = place.turned({u[0], u[1], u[2]});
+    for (std::size_t d = 0; d < 3; ++d)
+      EXPECT_NEAR(there.displacement[3 * n + static_cast<Eigen::Index>(d)], turned[d], 1e-8);
+  }
 }
