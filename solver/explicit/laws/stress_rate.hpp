@@ -96,8 +96,8 @@ struct RateTrial {
   RateIncrement step;
   PackSymmetric sigma;
 
-  RateTrial(const PackTensor& F, const PackTensor& F_old, const PackSymmetric& last, double lambda, double mu,
-            double smallest_J)
+  [[gnu::always_inline]] RateTrial(const PackTensor& F, const PackTensor& F_old, const PackSymmetric& last,
+                                   double lambda, double mu, double smallest_J)
       : geometry(F, cofactor(F), smallest_J), step(rate_increment(F, F_old, geometry, smallest_J)),
         sigma(rotated(last, step.rotation)) {
     add_elastic(sigma, step.strain, lambda, mu);
