@@ -87,6 +87,7 @@ void tensor_values(const Univariate (&U)[3], Eigen::MatrixXd& values) {
   const Eigen::Index n = U[0].values.rows();
   const Eigen::Index m[3] = {U[0].values.cols(), U[1].values.cols(), U[2].values.cols()};
   values.resize(n, m[0] * m[1] * m[2]);
+  if (n == 0) return;
   Eigen::Index column = 0;
   for (Eigen::Index c = 0; c < m[2]; ++c)
     for (Eigen::Index b = 0; b < m[1]; ++b)
@@ -101,6 +102,7 @@ void tensor_gradients(const Univariate (&U)[3], const Rotation& R, Eigen::Matrix
   const Eigen::Index n = U[0].values.rows();
   const Eigen::Index m[3] = {U[0].values.cols(), U[1].values.cols(), U[2].values.cols()};
   gradients.resize(n, 3 * m[0] * m[1] * m[2]);
+  if (n == 0) return;
   const bool rotated = R != identity_rotation;
   Eigen::Index column = 0;
   for (Eigen::Index c = 0; c < m[2]; ++c)
