@@ -28,9 +28,9 @@ struct ContactPair {
   /// k = stiffness · m / dt² with m the reduced mass of the slabs, half a span deep, behind the contact. Commercial
   /// segment-based penalties use 0.05; the budget of stability lowers what is too much: 2 is as much as it allows.
   double stiffness = 2;
-  double damping = 0.03; ///< share of critical damping of the pair's mass on its spring; it takes from the budget
-  bool edges = true;     ///< sharp edges touch each other and rigid bodies' corners touch faces
-  std::string where;     ///< opens messages about the pair, such as file and line; may be empty
+  double damping = 0.03;  ///< share of critical damping of the pair's mass on its spring; it takes from the budget
+  bool edges = true;      ///< sharp edges touch each other and rigid bodies' corners touch faces
+  std::string where = {}; ///< opens messages about the pair, such as file and line; may be empty
 };
 
 struct ContactOptions {
