@@ -12,7 +12,6 @@ of the energy), and the balances that must hold.
 """
 import argparse
 import json
-import subprocess
 import sys
 from pathlib import Path
 
@@ -20,6 +19,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import iga_results  # noqa: E402
+from measured_run import RunError, report  # noqa: E402
 from run_samples import read_stl  # noqa: E402
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -79,13 +79,6 @@ def parse_arguments(words):
     return parser.parse_args(words)
 
 
-def report_of(command):
-    done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
-    if done.returncode != 0:
-        raise RuntimeError(f"{Path(command[0]).name} ended with {done.returncode}: {done.stderr.strip()}")
-    return json.loads(done.stdout)
-
-
 def numbers(values):
     return "[" + ", ".join(f"{value:.12g}" for value in values) + "]"
 
@@ -111,32 +104,32 @@ def run(o):
     above_origin = [-0.5 * (low[0] + high[0]), -0.5 * (low[1] + high[1]), GAP * span - low[2]]
     speed = np.sqrt(2 * GRAVITY * o.height)
     model, settings, results = (o.work / f"{o.stl.stem}{end}" for end in ("_model.h5", "_drop.toml", "_drop.h5"))
-    prep = report_of([o.bin / "igaprep", o.stl, "-o", model, "--scale", o.scale, "--degree", o.degree, "--span-size", span,
-                      "--quadrature", "ggq-reduced", "--length-unit", "mm", "--force", "--json", "--threads", o.threads])
+    prep = report([o.bin / "igaprep", o.stl, "-o", model, "--scale", o.scale, "--degree", o.degree, "--span-size", span,
+                   "--quadrature", "ggq-reduced", "--length-unit", "mm", "--force", "--json", "--threads", o.threads])
     settings.write_text(RUN.format(o=o, model=model.name, gravity=-GRAVITY, velocity=-speed, axis=numbers(axis),
                                    degrees=f"{degrees:.12g}", shift=numbers(above_origin), interval=o.end / 600,
                                    field_interval=o.end / 30))
-    report = report_of([o.bin / "igasolve", "explicit", settings, "-o", results, "--force", "--json", "--quiet", "--threads",
-                        o.threads])
-    return iga_results.read(results), prep, report, speed, span
+    solved = report([o.bin / "igasolve", "explicit", settings, "-o", results, "--force", "--json", "--quiet", "--threads",
+                     o.threads])
+    return iga_results.read(results), prep, solved, speed, span
 
 
-def figures(results, prep, report, speed, span, friction):
+def figures(results, prep, solved, speed, span, friction):
     time, contact = results["/time_series/time"], results.series("contact/part-ground")
     body, energy = results.series("body/part"), results.series("energy")
-    mass = report["bodies"][0]["mass"]
+    mass = solved["bodies"][0]["mass"]
     _, means = results.mean_force("part-ground", time[-1] / WINDOWS)
     force = contact["force"]
     touching = time[np.linalg.norm(force, axis=1) > 0]
     if len(touching) == 0:
-        raise RuntimeError(f"the part did not touch the ground until {time[-1]:.6g} ms; choose a later --end")
+        raise RunError(f"the part did not touch the ground until {time[-1]:.6g} ms; choose a later --end")
     after = body["momentum"][-1] / mass
     gained = body["momentum"][-1] - body["momentum"][0]
     pushed = contact["impulse"][-1] - [0, 0, mass * GRAVITY * time[-1]]
     steps = [results.fields(step) for step in range(results.num_fields())]
     heights = [(step.mesh["part/vertices"] + step["part/displacement"])[:, 2].min() for step in steps]
     return {
-        "span": float(span), "points": prep["points"], "functions": prep["functions"], "steps": report["steps"], "mass": mass,
+        "span": float(span), "points": prep["points"], "functions": prep["functions"], "steps": solved["steps"], "mass": mass,
         "speed": float(speed), "peak_force": float(means.max()), "impulse": float(np.linalg.norm(contact["impulse"][-1])),
         "touches_from": float(touching[0]), "touches_until": float(touching[-1]), "end": float(time[-1]),
         "rebound_speed": float(after[2]), "restitution": float(after[2] / speed),
@@ -154,7 +147,7 @@ def main(words=None):
     o = parse_arguments(words)
     try:
         found = figures(*run(o), o.friction)
-    except (OSError, RuntimeError, iga_results.FormatError) as error:
+    except (OSError, RunError, iga_results.FormatError) as error:
         sys.exit(f"drop_test.py: {error}")
     for name, value in found.items():
         print(f"{name:<24}{value:.6g}")

@@ -41,6 +41,15 @@ def last_words(log):
     return lines[-1] if lines else "no output"
 
 
+def report(command):
+    """The object that a tool prints with --json. Raises RunError with the tool's last words."""
+    done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
+    if done.returncode != 0:
+        words = done.stderr.strip().splitlines() or ["no output"]
+        raise RunError(f"{Path(command[0]).name} ended with exit code {done.returncode}: {words[-1]}")
+    return json.loads(done.stdout)
+
+
 def measured_report(command, log, threads=1):
     """The measured run of a tool with --json, and the object that it prints. Raises RunError with the tool's last words."""
     measured = measured_run(command, log, None, threads)

@@ -147,8 +147,8 @@ def draw(arguments, folder):
         axes.axis("off")
         figure.text((column + 0.5) * TILE[0] / width, (bottom + 0.55 * caption) / height, f"t = {time:.4g}", fontsize=19,
                     color="#20242a", ha="center", va="center")
-    figure.text(36 / width, 1 - 50 / height, f"{file.stem}: {'bodies' if arguments.whole else 'bodies cut in half,'} in their true places", fontsize=26,
-                weight="bold", color="#20242a", va="center")
+    title = f"{file.stem}: {'bodies' if arguments.whole else 'bodies cut in half,'} in their true places"
+    figure.text(36 / width, 1 - 50 / height, title, fontsize=26, weight="bold", color="#20242a", va="center")
     bar_axes = figure.add_axes([0.32, 70 / height, 0.36, 20 / height])
     bar = figure.colorbar(plt.cm.ScalarMappable(norm, COLOURS), cax=bar_axes, orientation="horizontal", extend="max")
     bar.set_label(QUANTITIES[colour], fontsize=15, color="#20242a")

@@ -12,14 +12,14 @@ other (largest less smallest, over the mean). Exit code 1 where one of them is m
 """
 import argparse
 import csv
-import json
-import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
 
 import iga_results
+from measured_run import RunError, report
+from run_samples import moved_run
 
 ROOT = Path(__file__).resolve().parent.parent
 SAMPLE = ROOT / "samples" / "impact_cube"
@@ -64,30 +64,17 @@ def grid_box(size, offset, rotation):
     return centre - 0.5 * (last - first), centre + 0.5 * (last - first), spans
 
 
-def run(command):
-    done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
-    if done.returncode != 0:
-        raise RuntimeError(f"{Path(command[0]).name} ended with {done.returncode}: {done.stderr.strip().splitlines()[-1]}")
-    return json.loads(done.stdout)
-
-
-def run_file(model, end):
-    text = (SAMPLE / "impact_16mm.toml").read_text()
-    text = text.replace('"../../build/impact_cube/cube_16mm.h5"', f'"{model.name}"')
-    text = text.replace('"yield_curve.csv"', f'"{(SAMPLE / "yield_curve.csv").as_posix()}"')
-    return text.replace("end = 8", f"end = {end}").replace("field_interval = 0.4", f"field_interval = {end}\nviewer = false")
-
-
 def figures(arguments, name, offset, rotation):
     """One run. @return its row of the table"""
     A, B, spans = grid_box(arguments.span_size, offset, rotation)
     model = arguments.work / "cube.h5"
-    prep = run([arguments.bin / "igaprep", SAMPLE / "cube.stl", "-o", model, "--force", "--json", "--quiet", "--length-unit",
+    prep = report([arguments.bin / "igaprep", SAMPLE / "cube.stl", "-o", model, "--force", "--json", "--quiet", "--length-unit",
                 "mm", "--box", *A, *B, "--spans", *spans, "--rotation", *rotation.ravel(), "--degree", arguments.degree,
                 "--quadrature", "ggq-reduced", "--trimmed", "minimal"])
     settings, results = arguments.work / "impact.toml", arguments.work / "impact.h5"
-    settings.write_text(run_file(model, arguments.end))
-    run([arguments.bin / "igasolve", "explicit", settings, "-o", results, "--force", "--json", "--quiet"])
+    settings.write_text(moved_run(SAMPLE / "impact_16mm.toml", model, ("end = 8", f"end = {arguments.end}"),
+                                  ("field_interval = 0.4", f"field_interval = {arguments.end}\nviewer = false")))
+    report([arguments.bin / "igasolve", "explicit", settings, "-o", results, "--force", "--json", "--quiet"])
     file = iga_results.read(results)
     time, impulse = file["/time_series/time"], file["/time_series/contact/cube-sphere/impulse"]
     dt = file["/time_series/dt"]
@@ -117,7 +104,7 @@ def main():
     for name, offset, rotation in grids:
         try:
             row = figures(arguments, name, offset, rotation)
-        except (RuntimeError, OSError, iga_results.FormatError) as error:
+        except (RunError, OSError, iga_results.FormatError) as error:
             print(f"{name:<12} failed: {error}", flush=True)
             failed += 1
             continue

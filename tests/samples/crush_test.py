@@ -14,6 +14,7 @@ SOURCE, BIN, PARTS, WORK = (Path(argument).resolve() for argument in sys.argv[1:
 sys.path.insert(0, str(SOURCE / "scripts"))
 import iga_results  # noqa: E402
 import penetration  # noqa: E402
+from run_samples import moved_run  # noqa: E402
 
 SAMPLE = SOURCE / "samples" / "crush_foam"
 SPAN, WIDTH, SPEED, END = 50.0, 308.6, 8.0, 18.0
@@ -28,13 +29,9 @@ class Crush(unittest.TestCase):
         WORK.mkdir(parents=True)
         subprocess.run([BIN / "igaprep", SAMPLE / "prep_coarse.toml", "--input", PARTS / "foam_part.stl", "-o",
                         WORK / "foam.h5", "--quiet"], check=True)
-        text = (SAMPLE / "crush_coarse.toml").read_text()
-        for before, after in (("../../build/crush_foam/foam_coarse.h5", "foam.h5"), ("x = -2\n", f"x = -{SPEED}\n"),
-                              ('"yield_curve.csv"', f'"{(SAMPLE / "yield_curve.csv").as_posix()}"'),
-                              ("dt_max = 0.01", "dt_max = 0.02"), ("end = 100", f"end = {END}"), ("field_interval = 5", f"field_interval = {END}\nviewer = false")):
-            assert before in text, before
-            text = text.replace(before, after)
-        (WORK / "crush.toml").write_text(text)
+        (WORK / "crush.toml").write_text(moved_run(
+            SAMPLE / "crush_coarse.toml", WORK / "foam.h5", ("x = -2\n", f"x = -{SPEED}\n"), ("dt_max = 0.01", "dt_max = 0.02"),
+            ("end = 100", f"end = {END}"), ("field_interval = 5", f"field_interval = {END}\nviewer = false")))
         subprocess.run([BIN / "igasolve", "explicit", WORK / "crush.toml", "-o", WORK / "crush.h5", "--quiet", "--threads",
                         "1"], check=True)
         cls.results = iga_results.read(WORK / "crush.h5")

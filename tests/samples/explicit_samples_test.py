@@ -15,6 +15,7 @@ SOURCE, BIN, PARTS, SHARED = (Path(word) for word in sys.argv[1:5])
 CASE = sys.argv[5]
 sys.path[:0] = [str(SOURCE / "scripts"), str(SOURCE / "samples" / "taylor_bar")]
 import iga_results  # noqa: E402
+from run_samples import moved_run  # noqa: E402
 
 
 def run(*command):
@@ -27,11 +28,8 @@ def run(*command):
 def solve_sample(sample, prep, settings, part, work):
     """igaprep and igasolve explicit as the sample's README has them, with every file in `work`."""
     source = SOURCE / "samples" / sample
-    text = (source / settings).read_text()
     model = work / "model.h5"
-    lines = [f'model = "{model}"' if line.startswith("model = ") else line for line in text.splitlines()]
-    text = "\n".join(lines).replace('"yield_curve.csv"', f'"{source / "yield_curve.csv"}"')
-    (work / "run.toml").write_text(text)
+    (work / "run.toml").write_text(moved_run(source / settings, model))
     run(BIN / "igaprep", source / prep, "--input", part, "-o", model, "--json")
     report = run(BIN / "igasolve", "explicit", work / "run.toml", "-o", work / "run.h5", "--json", "--quiet")
     return iga_results.read(work / "run.h5"), report

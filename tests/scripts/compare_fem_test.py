@@ -18,7 +18,7 @@ sys.path[:0] = [str(SOURCE / "scripts"), str(Path(__file__).resolve().parent)]
 import calculix  # noqa: E402
 import comparison_report  # noqa: E402
 import tet_mesh  # noqa: E402
-from parts import CUBE_FREQUENCIES, write_boxes  # noqa: E402
+from parts import CUBE_FREQUENCIES, run_tests, write_boxes  # noqa: E402
 
 MISSING = [f"{name} (apt-get install {package})" for name, package in (("gmsh", "gmsh"), ("ccx", "calculix-ccx"))
            if shutil.which(name) is None]
@@ -123,9 +123,4 @@ class CubeTest(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    result = unittest.main(argv=sys.argv[:1], exit=False).result
-    if not result.wasSuccessful():
-        sys.exit(1)
-    if MISSING:
-        print(f"skipped: missing {', '.join(MISSING)}")
-        sys.exit(77)
+    run_tests(f"missing {', '.join(MISSING)}" if MISSING else "")

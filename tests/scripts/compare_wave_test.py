@@ -18,6 +18,7 @@ SCRIPT = SOURCE / "scripts" / "compare_wave.py"
 sys.path.insert(0, str(SOURCE / "scripts"))
 import bar_wave  # noqa: E402
 import calculix  # noqa: E402
+from parts import run_tests  # noqa: E402
 
 MISSING = None if shutil.which("ccx") else "missing: ccx (apt-get install calculix-ccx)"
 
@@ -93,9 +94,4 @@ class WaveTest(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    result = unittest.main(argv=sys.argv[:1], exit=False).result
-    if not result.wasSuccessful():
-        sys.exit(1)
-    if MISSING:
-        print(f"skipped: {MISSING}")
-        sys.exit(77)
+    run_tests(MISSING)
