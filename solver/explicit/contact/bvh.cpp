@@ -12,15 +12,6 @@ namespace {
 
 constexpr std::size_t leaf_size = 4;
 
-Box3 join(const Box3& a, const Box3& b) {
-  Box3 box;
-  for (std::size_t d = 0; d < 3; ++d) {
-    box.lower[d] = std::min(a.lower[d], b.lower[d]);
-    box.upper[d] = std::max(a.upper[d], b.upper[d]);
-  }
-  return box;
-}
-
 constexpr double inf = std::numeric_limits<double>::infinity();
 constexpr Box3 empty_box{{inf, inf, inf}, {-inf, -inf, -inf}};
 

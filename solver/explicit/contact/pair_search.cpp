@@ -87,25 +87,8 @@ Box3 box_of(const MovingSurface& s, const Triangle& t) {
 
 Box3 box_of(const MovingSurface& s) {
   Box3 box{{inf, inf, inf}, {-inf, -inf, -inf}};
-  for (const Point3& x : s.positions())
-    for (std::size_t d = 0; d < 3; ++d) {
-      box.lower[d] = std::min(box.lower[d], x[d]);
-      box.upper[d] = std::max(box.upper[d], x[d]);
-    }
+  for (const Point3& x : s.positions()) box = join(box, {x, x});
   return box;
-}
-
-Box3 grown(Box3 box, double by) {
-  for (std::size_t d = 0; d < 3; ++d) box.lower[d] -= by, box.upper[d] += by;
-  return box;
-}
-
-Box3 join(Box3 a, const Box3& b) {
-  for (std::size_t d = 0; d < 3; ++d) {
-    a.lower[d] = std::min(a.lower[d], b.lower[d]);
-    a.upper[d] = std::max(a.upper[d], b.upper[d]);
-  }
-  return a;
 }
 
 double gap_between(const Box3& a, const Box3& b) {

@@ -24,10 +24,8 @@ class Solid {
     for (std::size_t f = 0; f < boxes_.size(); ++f) {
       const Triangle& t = surface.mesh().triangles[f];
       boxes_[f] = {surface.x(t[0]), surface.x(t[0])};
-      for (const std::int32_t v : t) include(boxes_[f], surface.x(v));
-      if (f == 0) whole_ = boxes_[f];
-      include(whole_, boxes_[f].lower);
-      include(whole_, boxes_[f].upper);
+      for (const std::int32_t v : t) boxes_[f] = join(boxes_[f], {surface.x(v), surface.x(v)});
+      whole_ = f == 0 ? boxes_[f] : join(whole_, boxes_[f]);
     }
     tree_ = Bvh(boxes_);
   }
@@ -42,9 +40,7 @@ class Solid {
     if (crossings % 2 == 0) return 0;
     for (double reach = 1e-3 * size;; reach *= 4) {
       double least2 = std::numeric_limits<double>::infinity();
-      Box3 around{x, x};
-      for (std::size_t d = 0; d < 3; ++d) around.lower[d] -= reach, around.upper[d] += reach;
-      tree_.each_overlap(around, [&](std::int32_t f) {
+      tree_.each_overlap(grown({x, x}, reach), [&](std::int32_t f) {
         const Triangle& t = surface_.mesh().triangles[at(f)];
         least2 =
             std::min(least2, closest_on_triangle(x, surface_.x(t[0]), surface_.x(t[1]), surface_.x(t[2])).distance2);
@@ -54,12 +50,6 @@ class Solid {
   }
 
  private:
-  static void include(Box3& box, const Point3& x) {
-    for (std::size_t d = 0; d < 3; ++d) {
-      box.lower[d] = std::min(box.lower[d], x[d]);
-      box.upper[d] = std::max(box.upper[d], x[d]);
-    }
-  }
   bool crosses(const Point3& x, std::int32_t f) const {
     const Triangle& t = surface_.mesh().triangles[at(f)];
     const Point3 a = minus(surface_.x(t[0]), x), b = minus(surface_.x(t[1]), x), c = minus(surface_.x(t[2]), x);
