@@ -233,6 +233,7 @@ PrepReport make_model(const Settings& s, const RunInfo& run, const PreparedSurfa
       stages.run("surface points", [&] { return make_embedded_surface(model.grid, surface.mesh, trimming); });
   trimming.pieces = {};
   model.surface.accepted_leak = leaks ? trimming.worst_leak : 0;
+  model.surface.bodies = surface.bodies;
   judge_surface_points(model);
   model.state = std::move(trimming.state);
   model.active = std::move(trimming.active);

@@ -44,6 +44,7 @@ std::string text_report(const std::filesystem::path& file, const TrimmedModel& m
        m.surface.mesh.vertices.size(), s.surface_points, s.area);
   if (m.surface.accepted_leak > 0)
     line("leak", "accepted: {:.3g} span volumes; the surface's integrals are not checked", m.surface.accepted_leak);
+  if (m.surface.bodies > 0) line("bodies", "{}", m.surface.bodies);
   for (const auto& region : s.regions)
     line("  region", "{}: {} triangles, area {:.10g}", region.name, region.triangles, region.area);
   const auto& p = m.provenance;
@@ -100,6 +101,7 @@ std::string json_report(const std::filesystem::path& file, const TrimmedModel& m
   surface.add("points", s.surface_points)
       .add("area", s.area)
       .add("accepted_leak", m.surface.accepted_leak)
+      .add("bodies", m.surface.bodies)
       .add("regions", regions);
   report.add("file", file.string()).add("title", m.title).add("length_unit", m.length_unit).add("grid", grid);
   report.add("spans", spans)

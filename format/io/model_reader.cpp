@@ -131,6 +131,7 @@ EmbeddedSurface read_surface(const H5Reader& file, std::int64_t num_active) {
   const std::int64_t num_vertices = rows_of(file, names::vertices, 2),
                      num_triangles = rows_of(file, names::triangles, 2);
   s.accepted_leak = file.number<double>(names::surface, "accepted_leak");
+  if (file.has_attribute(names::surface, "bodies")) s.bodies = file.number<std::int64_t>(names::surface, "bodies");
   s.mesh.vertices = in_rows<Point3>(read<double>(file, names::vertices, num_vertices, 3));
   s.mesh.triangles = in_rows<Triangle>(read<std::int32_t>(file, names::triangles, num_triangles, 3));
   s.mesh.region = read<std::int32_t>(file, names::region, num_triangles);

@@ -69,6 +69,7 @@ void write_functions(H5Writer& file, const TrimmedModel& m) {
 void write_surface(H5Writer& file, const EmbeddedSurface& s) {
   file.group(names::surface, "the embedded surface, tied to the grid");
   file.attribute(names::surface, "accepted_leak", s.accepted_leak);
+  if (s.bodies > 0) file.attribute(names::surface, "bodies", s.bodies);
   file.dataset(names::vertices, {static_cast<std::int64_t>(s.mesh.vertices.size()), 3}, flat(s.mesh.vertices));
   write(file, names::vertex_parameters, s.vertex_parameters, 3);
   write(file, names::vertex_span, s.vertex_span);

@@ -56,6 +56,7 @@ bool info_fits(const TrimmedModel& m, int limit, std::vector<std::string>& probl
   range("sliver_tolerance", q.sliver_tolerance, q.sliver_tolerance >= 0 && q.sliver_tolerance < 0.5, "0 … 0.5");
   range("min_fraction", q.min_fraction, q.min_fraction >= 0 && q.min_fraction < 1, "0 … 1");
   range("accepted_leak of /surface", m.surface.accepted_leak, m.surface.accepted_leak >= 0, "a number of at least 0");
+  if (m.surface.bodies < 0) kind.add("bodies of /surface is {}, expected a number of at least 1", m.surface.bodies);
   if (q.interior_rule != "gauss" && q.interior_rule != "ggq" && q.interior_rule != "ggq-reduced" &&
       q.interior_rule != "ggq-reduced2")
     kind.add("interior_rule is '{}', expected gauss, ggq, ggq-reduced or ggq-reduced2", q.interior_rule);

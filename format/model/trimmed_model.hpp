@@ -56,6 +56,7 @@ struct EmbeddedSurface {
   std::vector<std::int64_t> vertex_span; ///< (n_v); linear number of the active span that owns the vertex
   SurfacePoints quadrature;
   double accepted_leak = 0; ///< worst leak the user accepted, in span volumes; 0 for a closed surface
+  std::int64_t bodies = 0;  ///< separate bodies that the surface encloses (cavities not counted); 0 where not known
 };
 
 struct InputFile {

@@ -62,6 +62,7 @@ inline void expect_equal(const TrimmedModel& a, const TrimmedModel& b) {
   EXPECT_EQ(a.surface.vertex_parameters, b.surface.vertex_parameters);
   EXPECT_EQ(a.surface.vertex_span, b.surface.vertex_span);
   EXPECT_EQ(a.surface.accepted_leak, b.surface.accepted_leak);
+  EXPECT_EQ(a.surface.bodies, b.surface.bodies);
   EXPECT_EQ(a.surface.quadrature.offsets, b.surface.quadrature.offsets);
   EXPECT_EQ(a.surface.quadrature.parameters, b.surface.quadrature.parameters);
   EXPECT_EQ(a.surface.quadrature.weights, b.surface.quadrature.weights);

@@ -206,6 +206,7 @@ TrimmedModel make_box_model(const BoxCase& box) {
   add_volume(m, pieces);
   add_functions(m);
   add_surface(m, box, pieces);
+  m.surface.bodies = 1;
   m.provenance.version = "0.0";
   m.provenance.command_line = "igaprep box.stl -o box.h5";
   m.provenance.inputs = {{"box.stl", std::string(64, 'a')}, {"größe µ.stl", std::string(64, 'b')}};
