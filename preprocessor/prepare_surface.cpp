@@ -52,7 +52,11 @@ class Preparation {
     surface_.normals = std::move(input.facet_normals);
     surface_.normals.resize(surface_.mesh.triangles.size(), Point3{});
     out_.findings = std::move(input.notes);
-    size_ = diagonal(bounding_box(surface_.mesh));
+    is_point_ = has_no_extent(bounding_box(surface_.mesh));
+    weld_equal_vertices(surface_);
+    collapsed_ = drop_collapsed_facets(surface_);
+    // Facets without size may lie anywhere, so they go before the size is taken.
+    if (!surface_.mesh.triangles.empty()) size_ = diagonal(bounding_box(surface_.mesh));
   }
 
   PreparedSurface run() {
@@ -66,8 +70,6 @@ class Preparation {
 
   /// A surface around this one instead of it, because of `reason`.
   PreparedSurface run_wrapped(const std::string& reason) {
-    weld_equal_vertices(surface_);
-    drop_collapsed_facets(surface_);
     if (!(size_ > 0) || surface_.mesh.triangles.empty()) throw InputError(reason);
     const double alpha = options_.wrap_alpha.value_or(size_ / 50);
     const double offset = options_.wrap_offset.value_or(alpha / 30);
@@ -104,23 +106,21 @@ class Preparation {
 
   /// Repairs that leave the shape as it is.
   void clean() {
-    if (has_no_extent(bounding_box(surface_.mesh)))
-      refuse("the surface has no extent: all vertices coincide; export the part again");
+    if (is_point_) refuse("the surface has no extent: all vertices coincide; export the part again");
+    if (surface_.mesh.triangles.empty())
+      refuse("the surface has no area: every facet has two equal vertices; export the part again");
     if (!(size_ >= least_size && size_ <= largest_size))
       refuse(
           fmt::format("the box's diagonal is {:.3g}; lengths from {:.0e} to {:.0e} can be integrated: choose another "
                       "unit (--scale)",
                       size_, least_size, largest_size));
-    weld_equal_vertices(surface_);
-    std::int64_t collapsed = drop_collapsed_facets(surface_);
-    if (surface_.mesh.triangles.empty())
-      refuse("the surface has no area: every facet has two equal vertices; export the part again");
     const std::int64_t facets_before = static_cast<std::int64_t>(surface_.mesh.triangles.size());
     const NearWeld near = weld_near_vertices(surface_);
     if (near.joined > 0)
       found(fmt::format("{} on open edges joined with a neighbour at most {:.3g} away ({:.0e} of the diagonal)",
                         counted(near.joined, "vertex", "vertices"), near.tolerance, near.tolerance / size_));
-    collapsed += facets_before - static_cast<std::int64_t>(surface_.mesh.triangles.size());
+    const std::int64_t collapsed =
+        collapsed_ + facets_before - static_cast<std::int64_t>(surface_.mesh.triangles.size());
     if (collapsed > 0) found(fmt::format("{} with coinciding vertices dropped", counted(collapsed, "facet", "facets")));
     join_junctions();
     drop_duplicates();
@@ -417,7 +417,9 @@ class Preparation {
   const SurfaceOptions& options_;
   Surface surface_;
   Shells shells_;
-  double size_ = 0; ///< diagonal of the box as read, length
+  double size_ = 0;            ///< diagonal of the box of all facets with size as read, length
+  bool is_point_ = false;      ///< all vertices as read coincide
+  std::int64_t collapsed_ = 0; ///< facets without size that were dropped first
   bool closed_ = false;
   PreparedSurface out_;
 };

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace iga::prep {
@@ -18,8 +19,11 @@ struct ReadMesh {
   std::vector<std::string> notes;    ///< oddities that were tolerated, one sentence each
 };
 
+/// The format is told by the first bytes, by the name's ending where they do not tell.
 /// @param scale  factor on all coordinates, > 0
-/// @throws InputError for a missing, empty, truncated or foreign file and for NaN or infinite coordinates
+/// @throws InputError for a missing, empty, truncated, damaged or foreign file, with the line where it is text
 ReadMesh read_mesh(const std::filesystem::path& file, double scale = 1.0);
+/// The same from the bytes of `file`, which is only named; without the hash.
+ReadMesh read_mesh_bytes(std::string_view bytes, const std::filesystem::path& file, double scale = 1.0);
 
 } // namespace iga::prep

@@ -1,13 +1,20 @@
 #include "format/io/settings_reader.hpp"
 
+#include "format/io/toml_letters.hpp"
 #include "format/model/errors.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <fstream>
+#include <iterator>
 #include <numeric>
 #include <set>
+// toml++ 3.3 asserts that a table's name follows "[" in the same line; without the assertion it refuses the file.
+#define TOML_ASSERT(expression) static_assert(true)
 #include <toml++/toml.h>
 
 namespace iga::io {
@@ -103,10 +110,14 @@ SettingsTable::SettingsTable(std::shared_ptr<File> file, std::string path, const
 SettingsTable SettingsTable::read(const std::filesystem::path& file) {
   if (!std::filesystem::is_regular_file(file))
     throw InputError(fmt::format("{}: no such settings file", file.string()));
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw InputError(fmt::format("{}: cannot be opened: {}", file.string(), std::strerror(errno)));
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  refuse_letters_outside_quotes(text, file.string());
   auto data = std::make_shared<File>();
   data->path = file;
   try {
-    data->root = toml::parse_file(file.string());
+    data->root = toml::parse(text, file.string());
   } catch (const toml::parse_error& error) {
     throw InputError(fmt::format("{}:{}:{}: this is no valid TOML: {}", file.string(), error.source().begin.line,
                                  error.source().begin.column, error.description()));

@@ -91,6 +91,23 @@ TEST(SettingsReader, BadTomlNamesLineAndColumn) {
   expect_words(refusal([&] { SettingsTable::read(folder / "absent.toml"); }), {"absent.toml", "no such"});
 }
 
+TEST(SettingsReader, LettersBeyondAsciiBelongInQuotesAndComments) {
+  const TempFolder folder;
+  auto root = table_of(folder, "\xEF\xBB\xBF# 2 \xC3\x97 3\na = \"\xC3\xB6 \\\" \xC3\xA4\" # \xC2\xA0\nb = '\xC3\xB6'\n"
+                               "c = \"\"\"\xC3\xB6\n\xC3\xA4\"\"\"\"\"\nd = '''\n\xC3\xB6'''\n\"\xC3\xA9\" = 'e'\n");
+  EXPECT_EQ(root.text("a"), "\xC3\xB6 \" \xC3\xA4");
+  EXPECT_EQ(root.text("b"), "\xC3\xB6");
+  EXPECT_EQ(root.text("c"), "\xC3\xB6\n\xC3\xA4\"\"");
+  EXPECT_EQ(root.text("d"), "\xC3\xB6");
+  expect_words(refusal([&] { table_of(folder, "a = 1\nb\xC3\x97 = 2\n"); }),
+               {"run.toml:2:2: ", "\"\xC3\x97\"", "quotes"});
+  expect_words(refusal([&] {
+                 table_of(folder, "a = \"open\nb = \xC2\xA0"
+                                  "2\n");
+               }),
+               {"run.toml:2:5: "});
+}
+
 TEST(NearestName, FindsSmallSlipsOnly) {
   const std::vector<std::string> names{"degree", "span_size", "spans"};
   EXPECT_EQ(nearest_name("dgree", names), "degree");

@@ -1,6 +1,7 @@
 #include "solver/explicit/contact/tool_mesh.hpp"
 
 #include "format/io/file_bytes.hpp"
+#include "format/io/foreign_file.hpp"
 #include "format/io/stl_reader.hpp"
 #include "format/model/errors.hpp"
 #include "format/model/vec3.hpp"
@@ -13,6 +14,7 @@ namespace iga::solve {
 
 ToolMesh read_tool(const std::filesystem::path& file, double scale) {
   const std::string bytes = io::read_bytes(file, "an STL file");
+  io::refuse_foreign(bytes, file);
   return make_tool(io::read_stl(bytes, file.string(), scale).mesh, file.string());
 }
 

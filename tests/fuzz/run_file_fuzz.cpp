@@ -1,0 +1,15 @@
+// Run files of `igasolve eigen`, `timestep` and `static`.
+#include "solver/run_settings.hpp"
+#include "tests/fuzz/fuzz_input.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace iga;
+  static const fuzz::ScratchFolder folder;
+  const auto file = folder.write("run.toml", fuzz::bytes_of(data, size));
+  fuzz::read_or_refuse([&] {
+    const solve::TypedRun typed = solve::read_run_file(file);
+    for (const auto analysis : {solve::Analysis::Eigen, solve::Analysis::Timestep, solve::Analysis::Static})
+      fuzz::read_or_refuse([&] { solve::validate_run(typed, analysis); });
+  });
+  return 0;
+}
