@@ -65,6 +65,16 @@ TEST(PrepareSurface, LeavesACleanPartAlone) {
   EXPECT_DOUBLE_EQ(volume(out), 1);
 }
 
+// Some exporters leave facets at the origin; a part of 64 there was "no volume" beside a box of two million.
+TEST(PrepareSurface, FacetsWithoutSizeDoNotCountForTheSizeOfThePart) {
+  const Point3 origin{}, along{0, 0, 5};
+  const Soup far = moved(cube, 64, {1e6, 2e6, 0}) + Soup{{{origin, origin, origin}}, {{origin, along, along}}};
+  const PreparedSurface out = prepare(far);
+  EXPECT_DOUBLE_EQ(volume(out), 262144);
+  EXPECT_EQ(out.mesh.vertices.size(), 8U);
+  EXPECT_TRUE(mentions(out.findings, "2 facets with coinciding vertices dropped"));
+}
+
 TEST(PrepareSurface, JoinsVerticesOnlyAlongOpenEdges) {
   // A plate much thinner than the welding distance stays when it is closed …
   const Soup plate = box_facets({0, 0, 0}, {1, 1, 3e-8});
