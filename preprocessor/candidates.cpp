@@ -121,6 +121,7 @@ void LineCaster::append_candidates(std::size_t axis, std::span<const double> bs,
                                    int points_per_line, int min_points, std::vector<double>& points) {
   const std::size_t b_axis = axis == 0 ? 1 : 0, c_axis = axis == 2 ? 1 : 2;
   cast(axis, bs, cs);
+  found_.clear();
   for (std::size_t j = 0; j < cs.size(); ++j)
     for (std::size_t i = 0; i < bs.size(); ++i) {
       Point3 x;
@@ -132,7 +133,7 @@ void LineCaster::append_candidates(std::size_t axis, std::span<const double> bs,
         const int n = std::max(min_points, static_cast<int>(std::ceil(length * points_per_line - 1e-9)));
         for (double g : gauss_legendre(n).nodes) {
           x[axis] = from + length * g;
-          points.insert(points.end(), x.begin(), x.end());
+          found_.insert(found_.end(), x.begin(), x.end());
         }
       };
       const auto& line = lines_[i + bs.size() * j];
@@ -142,10 +143,8 @@ void LineCaster::append_candidates(std::size_t axis, std::span<const double> bs,
         if (low != FaceState::Crossed || high != FaceState::Crossed) {
           solid = low == FaceState::Full || high == FaceState::Full;
         } else {
-          lines_.swap(probe_);
           x[axis] = 0.5;
-          solid = inside(x);
-          lines_.swap(probe_);
+          solid = interior_->holds(x);
         }
         if (solid) fill(0, 1);
         continue;
@@ -161,11 +160,13 @@ void LineCaster::append_candidates(std::size_t axis, std::span<const double> bs,
         if (line[s].sign < 0) fill(line[s].at, line[s + 1].at);
       if (line.back().sign < 0) fill(line.back().at, 1);
     }
+  append_proven(points);
 }
 
 void LineCaster::append_inward_candidates(int degree, std::size_t max_rays, int points_per_ray,
                                           std::vector<double>& points) {
   const TriangleProductRule<double>& rule = triangle_product_rule<double>(degree);
+  found_.clear();
   std::size_t num_rays = 0;
   for (std::size_t q = 0; q < surface_->num_polygons(); ++q)
     num_rays += (surface_->polygon(q).size() - 2) * rule.weights.size();
@@ -195,53 +196,16 @@ void LineCaster::append_inward_candidates(int degree, std::size_t max_rays, int 
           }
         if (sign < 0 || !(to > shortest_interval)) continue;
         for (double g : gauss_legendre(points_per_ray).nodes)
-          for (std::size_t d = 0; d < 3; ++d) points.push_back(std::clamp(from[d] + g * to * inward[d], 0.0, 1.0));
+          for (std::size_t d = 0; d < 3; ++d) found_.push_back(std::clamp(from[d] + g * to * inward[d], 0.0, 1.0));
       }
     }
   }
+  append_proven(points);
 }
 
-bool LineCaster::inside(const Point3& x) {
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::size_t b_axis = axis == 0 ? 1 : 0, c_axis = axis == 2 ? 1 : 2;
-    cast(axis, std::span(&x[b_axis], 1), std::span(&x[c_axis], 1));
-    const auto& line = lines_[0];
-    if (line.empty() || std::any_of(line.begin(), line.end(), [](const Crossing& l) { return l.sign == 0; })) continue;
-    for (const Crossing& crossing : line)
-      if (crossing.at > x[axis]) return crossing.sign > 0;
-    return line.back().sign < 0;
-  }
-  return inside_by_piece(x);
-}
-
-// No axis-parallel line meets the surface: look towards the middle of a piece, the first piece on the way decides.
-bool LineCaster::inside_by_piece(const Point3& x) {
-  std::vector<std::pair<double, std::size_t>> targets; // largest pieces first
-  for (std::size_t q = 0; q < surface_->num_polygons(); ++q) {
-    const auto v = surface_->polygon(q);
-    Point3 n{};
-    for (std::size_t a = 1; a + 1 < v.size(); ++a) {
-      const Point3 m = twice_area(v[0], v[a], v[a + 1]);
-      for (std::size_t d = 0; d < 3; ++d) n[d] += m[d];
-    }
-    targets.emplace_back(-dot(n, n), q);
-  }
-  std::sort(targets.begin(), targets.end());
-  for (const auto& [size, target] : targets) {
-    // Weights without symmetry keep the ray off the corners and edges of regular surfaces.
-    const auto polygon = surface_->polygon(target);
-    Point3 goal{};
-    double total = 0;
-    for (std::size_t a = 0; a < polygon.size(); ++a) {
-      const double w = 1 + 0.137 * static_cast<double>(a) + 0.0713 * static_cast<double>(a * a);
-      total += w;
-      for (std::size_t d = 0; d < 3; ++d) goal[d] += w * polygon[a][d];
-    }
-    for (double& g : goal) g /= total;
-    cast_ray(x, {goal[0] - x[0], goal[1] - x[1], goal[2] - x[2]});
-    if (!ray_.empty()) return ray_.front().sign > 0;
-  }
-  return surface_->fraction > 0.5;
+void LineCaster::append_proven(std::vector<double>& points) {
+  interior_->keep_inside(found_);
+  points.insert(points.end(), found_.begin(), found_.end());
 }
 
 // Crossings of x + t · ray, t > 0, into ray_.

@@ -1,8 +1,8 @@
 // Candidate points for the moment fitting: lines shot through one span's own surface pieces, points inside the
-// intervals that lie in the solid. Every candidate is inside by construction.
+// intervals that lie in the solid. Lines that graze edges or thin parts may err: PieceInterior judges every candidate.
 #pragma once
 
-#include "preprocessor/span_moments.hpp"
+#include "preprocessor/piece_interior.hpp"
 
 #include <vector>
 
@@ -11,14 +11,18 @@ namespace iga::prep {
 /// Lines through one span. All coordinates in box units of the LocalSurface.
 class LineCaster {
  public:
-  void attach(const LocalSurface& surface) { surface_ = &surface; }
+  /// @param interior  attached to the same surface; both must stay as they are while this is in use
+  void attach(const LocalSurface& surface, const PieceInterior& interior) {
+    surface_ = &surface;
+    interior_ = &interior;
+  }
 
   /// Axis along which the surface shows the largest projected area: lines along it are sure to meet the solid.
   std::size_t main_axis() const;
 
   /// Shoots the lines (b_i, c_j) along `axis` (b, c: the other two axes, ascending) and appends points of Gauss rules
   /// on every interval inside the solid: `points_per_line` on an interval as long as the box, fewer on shorter ones,
-  /// but at least `min_points`.
+  /// but at least `min_points`. Every candidate is proven to lie inside.
   /// @param[in,out] points  (n × 3), row-major, appended
   void append_candidates(std::size_t axis, std::span<const double> b, std::span<const double> c, int points_per_line,
                          int min_points, std::vector<double>& points);
@@ -29,22 +33,20 @@ class LineCaster {
   /// @param max_rays  at most about this many
   void append_inward_candidates(int degree, std::size_t max_rays, int points_per_ray, std::vector<double>& points);
 
-  /// Whether a point not on the surface lies in the solid.
-  bool inside(const Point3& x);
-
  private:
   struct Crossing {
     double at; ///< coordinate along the axis
     int sign;  ///< +1 where the line leaves the solid in the positive direction, 0 where it runs along a piece
   };
   void cast(std::size_t axis, std::span<const double> b, std::span<const double> c);
-  bool inside_by_piece(const Point3& x);
   void cast_ray(const Point3& x, const Point3& ray);
+  void append_proven(std::vector<double>& points);
 
   const LocalSurface* surface_ = nullptr;
+  const PieceInterior* interior_ = nullptr;
   std::vector<std::vector<Crossing>> lines_; // of the last cast, b fastest
-  std::vector<std::vector<Crossing>> probe_; // spare, for inside() while lines_ is in use
   std::vector<Crossing> ray_;                // of the last cast_ray
+  std::vector<double> found_;                // candidates not yet judged
 };
 
 } // namespace iga::prep

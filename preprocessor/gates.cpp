@@ -96,6 +96,14 @@ std::vector<std::string> judge_winding(const WindingReport& winding, const Trimm
   return warnings;
 }
 
+std::vector<std::string> judge_bodies(const JoinedBodies& joined) {
+  if (joined.groups == joined.bodies) return {};
+  return {fmt::format("the surface encloses {} separate bodies, but functions join some of them: they will move as {} "
+                      "{}; choose smaller spans (a gap of degree + 1 spans is always enough) or separate files where "
+                      "they must move apart",
+                      joined.bodies, joined.groups, joined.groups == 1 ? "body" : "bodies")};
+}
+
 void judge_surface_points(const TrimmedModel& model) {
   if (model.quadrature.dropped_spans > 0 || model.surface.accepted_leak > 0) return;
   const SurfacePoints& points = model.surface.quadrature;

@@ -3,6 +3,7 @@
 
 #include "format/model/errors.hpp"
 #include "format/model/trimmed_model.hpp"
+#include "preprocessor/joined_bodies.hpp"
 #include "preprocessor/line_winding.hpp"
 #include "preprocessor/trim.hpp"
 
@@ -28,6 +29,9 @@ class SurfaceFault : public InputError {
 std::vector<std::string> judge_trimming(const SplineGrid& grid, const Trimming& trimming, double mesh_volume,
                                         bool accept_leaks);
 std::vector<std::string> judge_winding(const WindingReport& winding, const Trimming& trimming, bool accept_leaks);
+
+/// A warning where functions join bodies that the surface separates; none else.
+std::vector<std::string> judge_bodies(const JoinedBodies& joined);
 
 /// Every surface point lies on its own triangle, to the sliver depth: a wall without material beside it (its thickness
 /// snapped, or none at all) would otherwise hand its points to some span far away. Not judged where spans were dropped

@@ -58,7 +58,7 @@ const SpanRule& MomentFitter::fit(std::size_t touched) {
     std::size_t axis = 0;
     while (axis < 3 && !is_prism(part_.surface(), axis)) ++axis;
     if (axis < 3) fit_prism(axis);
-    if (axis == 3 || !(rule_.residual <= tolerance_)) fit_free();
+    if (axis == 3 || !(rule_.residual <= tolerance_) || !part_.holds(rule_.points)) fit_free();
   }
   part_.to_spans(rule_.points, rule_.weights);
   return rule_;

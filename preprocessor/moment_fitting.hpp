@@ -11,7 +11,7 @@ namespace iga::prep {
 
 enum class SpanShape { Box, Prism, Free };
 
-/// Points of one span. All weights are positive, all points lie strictly inside the solid's part of the span.
+/// Points of one span. All weights are positive, all points are proven to lie in the solid (PieceInterior).
 struct SpanRule {
   std::vector<double> points;  ///< (n × 3), row-major, in spans relative to the span's lower corner, in [0, 1]
   std::vector<double> weights; ///< (n); in span volumes

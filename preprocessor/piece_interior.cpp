@@ -1,6 +1,6 @@
 #include "preprocessor/piece_interior.hpp"
 
-#include "format/model/vec3.hpp"
+#include "format/model/line_crossing.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,8 +17,13 @@ constexpr std::size_t most_planes = 96;
 
 // Facets that fill up a block of lanes.
 constexpr double far_away = 1e30;
-// A way that meets a facet this close to its edge (relative to the determinant's size) tells nothing.
-constexpr double at_an_edge = 1e-12;
+// A facet whose area is a smaller share of its longest edge squared is a needle.
+constexpr double needle_share = 1e-6;
+// Facets that a point is looked at from before it is given up, and where on them (s, t without symmetry, so that ways
+// from regular points to regular surfaces keep off edges and corners).
+constexpr std::size_t most_targets = 32;
+constexpr double target_s = 0.3141, target_t = 0.2718;
+constexpr std::size_t no_facet = std::numeric_limits<std::size_t>::max();
 
 Point3 area_vector(std::span<const Point3> v) {
   Point3 n{};
@@ -59,14 +64,32 @@ double squared_distance(const Point3& x, const Point3& a, const Point3& ab, cons
   return from(vb * denominator, vc * denominator);
 }
 
+// The same of a needle: the nearest of its edges, which its plane could only hide.
+double squared_distance_to_edges(const Point3& x, const Point3& a, const Point3& ab, const Point3& ac) {
+  const Point3 bc = minus(ac, ab), ax = minus(x, a), bx = minus(ax, ab);
+  const auto to_edge = [](const Point3& from, const Point3& edge) {
+    const double length2 = dot(edge, edge);
+    const Point3 rest = minus(from, times(edge, length2 > 0 ? std::clamp(dot(from, edge) / length2, 0.0, 1.0) : 0.0));
+    return dot(rest, rest);
+  };
+  return std::min({to_edge(ax, ab), to_edge(ax, ac), to_edge(bx, bc)});
+}
+
+double longest_edge_squared(const Point3& ab, const Point3& ac) {
+  const Point3 bc = minus(ac, ab);
+  return std::max({dot(ab, ab), dot(ac, ac), dot(bc, bc)});
+}
+
 } // namespace
 
-void PieceInterior::attach(const LocalSurface& surface, LineCaster& caster) {
+void PieceInterior::attach(const LocalSurface& surface) {
   surface_ = &surface;
-  caster_ = &caster;
   find_planes();
   facets_.clear();
-  if (!convex_) split_facets();
+  targets_.clear();
+  if (convex_) return;
+  split_facets();
+  choose_targets();
 }
 
 void PieceInterior::find_planes() {
@@ -96,7 +119,9 @@ void PieceInterior::split_facets() {
     const auto v = surface_->polygon(q);
     for (std::size_t a = 1; a + 1 < v.size(); ++a) {
       const std::size_t lane = facets_.size() % lanes;
-      facets_.push_back({v[0], minus(v[a], v[0]), minus(v[a + 1], v[0])});
+      const Point3 ab = minus(v[a], v[0]), ac = minus(v[a + 1], v[0]), n = cross(ab, ac);
+      const double longest = needle_share * longest_edge_squared(ab, ac);
+      facets_.push_back({v[0], ab, ac, dot(n, n) < longest * longest});
       for (std::size_t d = 0; d < 3; ++d) {
         // What a block has too much lies far away.
         if (lane == 0) {
@@ -130,30 +155,81 @@ double PieceInterior::distance(const Point3& x) const {
     for (std::size_t lane = 0; lane < lanes; ++lane) {
       if (away[lane] >= squared) continue;
       const Facet& f = facets_[lanes * block + lane];
-      squared = std::min(squared, squared_distance(x, f.a, f.ab, f.ac));
+      squared = std::min(squared, f.needle ? squared_distance_to_edges(x, f.a, f.ab, f.ac)
+                                           : squared_distance(x, f.a, f.ab, f.ac));
     }
   }
   return std::sqrt(squared);
 }
 
-double PieceInterior::clearance(const Point3& x) {
+void PieceInterior::choose_targets() {
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t f = 0; f < facets_.size(); ++f) {
+    const Point3 n = cross(facets_[f].ab, facets_[f].ac);
+    order.emplace_back(-dot(n, n), f);
+  }
+  const auto count = static_cast<std::ptrdiff_t>(std::min(most_targets, order.size()));
+  std::partial_sort(order.begin(), order.begin() + count, order.end());
+  for (std::ptrdiff_t k = 0; k < count; ++k) targets_.push_back(order[static_cast<std::size_t>(k)].second);
+}
+
+// A way from x ends on a facet; just before it the winding number is that of the facet's side, and the crossings on the
+// way tell by how much that of x differs.
+bool PieceInterior::holds(const Point3& x) const {
+  if (convex_)
+    return std::all_of(planes_.begin(), planes_.end(),
+                       [&](const Plane& plane) { return dot(plane.n, x) <= plane.offset + flat; });
+  for (const std::size_t target : targets_) {
+    const Facet& f = facets_[target];
+    const Point3 goal = plus(f.a, plus(times(f.ab, target_s), times(f.ac, target_t))), way = minus(goal, x);
+    const Point3 n = cross(f.ab, f.ac);
+    const double depth = dot(way, n);
+    const int side =
+        detail::sure_sign(depth, 16 * std::numeric_limits<double>::epsilon() * norm(way) * norm(f.ab) * norm(f.ac));
+    if (side == 0) continue;
+    const std::optional<int> change = winding_change(x, way, target);
+    if (!change) continue;
+    const int winding = (side > 0 ? 1 : 0) - *change;
+    if (winding == 0 || winding == 1) return winding == 1;
+  }
+  return false;
+}
+
+void PieceInterior::keep_inside(std::vector<double>& points) const {
+  std::size_t kept = 0;
+  for (std::size_t g = 0; g < points.size(); g += 3) {
+    const Point3 x{points[g], points[g + 1], points[g + 2]};
+    if (!holds(x)) continue;
+    std::copy(x.begin(), x.end(), points.begin() + static_cast<std::ptrdiff_t>(kept));
+    kept += 3;
+  }
+  points.resize(kept);
+}
+
+double PieceInterior::clearance(const Point3& x) const {
   return distance(x);
 }
 
-double PieceInterior::clearance(const Point3& x, const Point3& inside) {
+double PieceInterior::clearance(const Point3& x, const Point3& inside) const {
   const double away = distance(x);
   return convex_ || away <= 0 || !left(x, inside) ? away : -away;
 }
 
-// Does the way from a point inside to x cross the surface an odd number of times? Where it meets an edge, lines decide.
+// Does the way from a point inside to x lead out? Where that is not sure, the point must prove itself.
 bool PieceInterior::left(const Point3& x, const Point3& inside) const {
-  const Point3 way = minus(x, inside);
+  const std::optional<int> change = winding_change(inside, minus(x, inside), no_facet);
+  return change ? *change != 0 : !holds(x);
+}
+
+// Of the winding number from `from` to `from + way`; none where it is not sure.
+std::optional<int> PieceInterior::winding_change(const Point3& from, const Point3& way, std::size_t skipped) const {
   Point3 low, high;
   for (std::size_t d = 0; d < 3; ++d) {
-    low[d] = std::min(x[d], inside[d]);
-    high[d] = std::max(x[d], inside[d]);
+    const double to = from[d] + way[d], slack = std::numeric_limits<double>::epsilon() * (1 + std::abs(to));
+    low[d] = std::min(from[d], to) - slack;
+    high[d] = std::max(from[d], to) + slack;
   }
-  bool odd = false;
+  int total = 0;
   for (std::size_t block = 0; block < lower_[0].size(); ++block) {
     Lanes gap{};
     for (std::size_t d = 0; d < 3; ++d) {
@@ -162,21 +238,15 @@ bool PieceInterior::left(const Point3& x, const Point3& inside) const {
       gap = outside > gap ? outside : gap;
     }
     for (std::size_t lane = 0; lane < lanes; ++lane) {
-      if (gap[lane] > 0) continue;
-      const Facet& f = facets_[lanes * block + lane];
-      // inside + t · way = a + s · ab + r · ac (Möller & Trumbore 1997)
-      const Point3 p = cross(way, f.ac), from = minus(inside, f.a), q = cross(from, f.ab);
-      const double scale = dot(f.ab, p);
-      const double s = dot(from, p), r = dot(way, q), t = dot(f.ac, q);
-      const double sign = scale < 0 ? -1 : 1, size = std::abs(scale),
-                   edge = at_an_edge * norm(way) * norm(f.ab) * norm(f.ac);
-      const double least = std::min({sign * s, sign * r, size - sign * (s + r)});
-      if (sign * t < -edge || sign * t > size + edge || least < -edge) continue;
-      if (least <= edge || sign * t <= edge || sign * t >= size - edge) return !caster_->inside(x);
-      odd = !odd;
+      const std::size_t facet = lanes * block + lane;
+      if (gap[lane] > 0 || facet == skipped) continue;
+      const Facet& f = facets_[facet];
+      const std::optional<int> change = iga::winding_change(from, way, f.a, f.ab, f.ac);
+      if (!change) return std::nullopt;
+      total += *change;
     }
   }
-  return odd;
+  return total;
 }
 
 } // namespace iga::prep

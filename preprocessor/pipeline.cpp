@@ -4,6 +4,7 @@
 #include "format/io/sha256.hpp"
 #include "format/io/trimmed_model_io.hpp"
 #include "format/model/errors.hpp"
+#include "format/model/points_outside.hpp"
 #include "preprocessor/build_quadrature.hpp"
 #include "preprocessor/gates.hpp"
 #include "preprocessor/optimise_offset.hpp"
@@ -210,6 +211,7 @@ PrepReport make_model(const Settings& s, const RunInfo& run, const PreparedSurfa
   const WindingReport winding =
       stages.run("winding", [&] { return check_winding(model.grid, surface.mesh, trimming, s.trim.sliver_tolerance); });
   append(report.warnings, judge_winding(winding, trimming, s.surface.accept_leaks));
+  append(report.warnings, judge_bodies(find_joined_bodies(model.grid, surface.mesh, trimming)));
 
   QuadratureOptions options = s.quadrature;
   options.progress = [&](std::int64_t done, std::int64_t total) { progress.update(done, total); };
@@ -245,6 +247,9 @@ PrepReport make_model(const Settings& s, const RunInfo& run, const PreparedSurfa
     if (const std::vector<std::string> faults = check(model); !faults.empty())
       throw std::logic_error(
           fmt::format("the model breaks its own rules, nothing was written: {}", fmt::join(faults, "; ")));
+    if (leaks) return;
+    if (const std::string outside = describe(find_points_outside(model), model); !outside.empty())
+      throw std::logic_error(fmt::format("a point lies outside the part, nothing was written: {}", outside));
   });
   model.provenance = provenance_of(s, run, input_sha256, report, stages);
   stages.run("write", [&] { io::write_model(s.output, model); });

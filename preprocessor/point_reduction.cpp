@@ -41,7 +41,8 @@ void PointReducer::reduce(const std::array<int, 3>& degree, std::span<const doub
   ++counts_.unchanged;
 }
 
-// From `points` to state_, run_; false where state_ does not fulfil its moments in the end.
+// From `points` to state_, run_; false where state_ does not fulfil its moments in the end or
+// a point is not proven to lie in the solid.
 bool PointReducer::eliminate(std::size_t least, double loose, double tolerance, const PointSet& points) {
   run_ = {};
   state_ = relocator_.measured(points);
@@ -60,7 +61,9 @@ bool PointReducer::eliminate(std::size_t least, double loose, double tolerance, 
     if (!remove_bounded(loose)) break;
     metric = Metric::Even;
   }
-  return relocator_.relocate(state_, Metric::Even, polished_residual) || relocator_.reached() <= 0.1 * tolerance;
+  if (!relocator_.relocate(state_, Metric::Even, polished_residual) && !(relocator_.reached() <= 0.1 * tolerance))
+    return false;
+  return relocator_.holds(state_);
 }
 
 void PointReducer::sort_by_cost() {

@@ -10,7 +10,8 @@ namespace iga::prep {
 /// and its place, so a quarter as many points as moments can do. One object per thread, buffers are kept.
 class PointReducer {
  public:
-  void attach(const LocalSurface& surface, LineCaster& caster) { relocator_.attach(surface, caster); }
+  /// @param interior  of the span; must stay attached to it while this is in use
+  void attach(const PieceInterior& interior) { relocator_.attach(interior); }
 
   /// Reduces a rule of the attached span in place: weights stay positive, points inside the solid, and the residual
   /// ends at or below `tolerance` (mostly at rounding). A rule that cannot be reduced is left as it was.

@@ -51,10 +51,16 @@ void MovingPoints::drop(std::size_t j) {
 MovingPoints PointRelocator::measured(const PointSet& points) {
   MovingPoints moving{points, {}, {}};
   for (std::size_t k = 0; k < points.size(); ++k) {
-    moving.clear.push_back(interior_.clearance(place(points, k)));
+    moving.clear.push_back(interior_->clearance(place(points, k)));
     moving.least.push_back(std::min(margin, 0.5 * moving.clear.back()));
   }
   return moving;
+}
+
+bool PointRelocator::holds(const PointSet& points) const {
+  for (std::size_t k = 0; k < points.size(); ++k)
+    if (!interior_->holds(place(points, k))) return false;
+  return true;
 }
 
 bool PointRelocator::linearise(const MovingPoints& points, Metric metric, Linearisation& at) {
@@ -167,7 +173,7 @@ PointRelocator::Move PointRelocator::move(MovingPoints& points, std::span<const 
       }
       trial_.clear[k] -= std::sqrt(moved);
       if (moved > 0 && trial_.clear[k] < points.least[k]) {
-        trial_.clear[k] = interior_.clearance(place(trial_, k), place(points, k));
+        trial_.clear[k] = interior_->clearance(place(trial_, k), place(points, k));
         feasible = trial_.clear[k] >= points.least[k];
       }
     }
@@ -238,7 +244,7 @@ bool PointRelocator::relocate_bounded(MovingPoints& points, double target) {
   }
   problem.take(z);
   for (std::size_t k = 0; k < points.size(); ++k) {
-    points.clear[k] = interior_.clearance(place(points, k), place(start, k));
+    points.clear[k] = interior_->clearance(place(points, k), place(start, k));
     if (points.clear[k] < points.least[k]) return false;
   }
   return relocate(points, Metric::Even, target);

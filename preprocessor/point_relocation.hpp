@@ -25,7 +25,8 @@ enum class Metric {
 /// every point stays inside, every weight positive and the residual falls. One object per thread, buffers are kept.
 class PointRelocator {
  public:
-  void attach(const LocalSurface& surface, LineCaster& caster) { interior_.attach(surface, caster); }
+  /// @param interior  of the span; must stay attached to it while this is in use
+  void attach(const PieceInterior& interior) { interior_ = &interior; }
   void start(const std::array<int, 3>& degree, std::span<const double> moments, int fixed_axis) {
     equations_.start(degree, moments, fixed_axis);
   }
@@ -48,6 +49,8 @@ class PointRelocator {
   /// end outside: then it fails. Spoils the ranking.
   bool relocate_bounded(MovingPoints& points, double target);
 
+  /// Whether every point is proven to lie in the solid, apart from the way it came.
+  bool holds(const PointSet& points) const;
   /// ‖r‖ / ‖b‖ after the last of the calls above.
   double reached() const { return r_.norm() / equations_.norm(); }
 
@@ -62,7 +65,7 @@ class PointRelocator {
   bool reduced_steps(std::span<const std::size_t> removed, double target, MovingPoints& points);
   Move move(MovingPoints& points, std::span<const UnknownScale> scale, const Eigen::VectorXd& step);
 
-  PieceInterior interior_;
+  const PieceInterior* interior_ = nullptr;
   MomentEquations equations_;
   Metric metric_ = Metric::Even; // of the ranking
   Linearisation ranked_, own_;   // of the ranking, of points on their way

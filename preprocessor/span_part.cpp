@@ -16,7 +16,8 @@ SpanPart::SpanPart(const SplineGrid& grid, const Trimming& trimming, const FarMo
 void SpanPart::open(std::size_t touched) {
   gather_local_surface(*grid_, *trimming_, touched, surface_);
   span_moments(surface_, far_->find(touched), degree_, moments_.data());
-  caster_.attach(surface_);
+  interior_.attach(surface_);
+  caster_.attach(surface_, interior_);
 }
 
 std::array<int, 3> SpanPart::plane_degree(std::size_t axis) const {
@@ -33,6 +34,12 @@ std::span<const double> SpanPart::plane_moments(std::size_t axis) {
       for (int a = 0; a <= plane[0]; ++a)
         plane_moments_.push_back(moments_[static_cast<std::size_t>(a + (degree_[0] + 1) * (b + (degree_[1] + 1) * c))]);
   return plane_moments_;
+}
+
+bool SpanPart::holds(std::span<const double> points) const {
+  for (std::size_t g = 0; g < points.size(); g += 3)
+    if (!interior_.holds({points[g], points[g + 1], points[g + 2]})) return false;
+  return true;
 }
 
 double SpanPart::residual(std::span<const double> points, std::span<const double> weights) const {

@@ -16,6 +16,7 @@ class SpanPart {
   void open(std::size_t touched);
 
   const LocalSurface& surface() const { return surface_; }
+  const PieceInterior& interior() const { return interior_; }
   LineCaster& caster() { return caster_; }
   const std::array<int, 3>& degree() const { return degree_; }
   /// Tensor Legendre moments up to the degree, a fastest.
@@ -23,6 +24,9 @@ class SpanPart {
   /// Degree and moments of functions that are constant along an axis: those of a plane rule on a prism.
   std::array<int, 3> plane_degree(std::size_t axis) const;
   std::span<const double> plane_moments(std::size_t axis);
+
+  /// Whether all points are proven to lie in the solid (PieceInterior::holds). Box units.
+  bool holds(std::span<const double> points) const;
 
   /// ‖A w - b‖ / ‖b‖ over all moments.
   double residual(std::span<const double> points, std::span<const double> weights) const;
@@ -37,6 +41,7 @@ class SpanPart {
   const FarMoments* far_;
   std::array<int, 3> degree_;
   LocalSurface surface_;
+  PieceInterior interior_;
   LineCaster caster_;
   std::vector<double> moments_, plane_moments_;
 };

@@ -94,7 +94,7 @@ std::size_t SpanReducer::least_points() const {
 void SpanReducer::reduce(std::size_t touched, SpanRule& rule) {
   part_.open(touched);
   part_.to_box(rule.points, rule.weights);
-  reducer_.attach(part_.surface(), part_.caster());
+  reducer_.attach(part_.interior());
   switch (rule.shape) {
   case SpanShape::Box:
     reduce_box(rule);

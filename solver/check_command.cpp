@@ -4,6 +4,7 @@
 #include "format/io/results_io.hpp"
 #include "format/io/trimmed_model_io.hpp"
 #include "format/model/errors.hpp"
+#include "format/model/points_outside.hpp"
 #include "solver/commands.hpp"
 
 #include <cstdio>
@@ -24,9 +25,12 @@ void check_model(const std::filesystem::path& file, std::vector<std::string>& pr
   problems = check(model);
   if (model.surface.accepted_leak > 0)
     notes.push_back(
-        fmt::format("the surface leaks (accepted: {:.3g} span volumes); its areas and its closedness were not "
-                    "checked",
+        fmt::format("the surface leaks (accepted: {:.3g} span volumes); its areas, its closedness and whether "
+                    "points lie inside it were not checked",
                     model.surface.accepted_leak));
+  else if (problems.empty())
+    if (const std::string outside = describe(find_points_outside(model), model); !outside.empty())
+      problems.push_back(outside);
 }
 
 } // namespace

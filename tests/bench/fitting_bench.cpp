@@ -41,7 +41,9 @@ struct Spans {
   // As the first set of the moment fitting: the same lattice of lines both ways, along the axis that shows most.
   void candidates(std::size_t s, prep::LineCaster& caster, std::vector<double>& points) const {
     points.clear();
-    caster.attach(surfaces[s]);
+    prep::PieceInterior interior;
+    interior.attach(surfaces[s]);
+    caster.attach(surfaces[s], interior);
     const std::vector<double>& lines = prep::gauss_legendre(degree[0] + 2).nodes;
     caster.append_candidates(caster.main_axis(), lines, lines, degree[0] + 2, 2, points);
   }

@@ -74,6 +74,18 @@ class SchemaTest(SchemaCases, unittest.TestCase):
                 self.assertIn(word, text)
 
 
+    def test_a_point_outside_the_surface_is_found(self):
+        def change(file):
+            span = iga_model.read(self.files[0]).point_spans()[0]
+            degree = file["patch"].attrs["degree"]
+            corner = [file[f"patch/knots_{d}"][degree[c] + span[c]] for c, d in enumerate("uvw")]
+            file["/quadrature/parameters"][0] = corner  # in its span still
+        code, text = self.check(self.changed(change))
+        self.assertEqual(code, 3, text)
+        self.assertIn("1 of", text)
+        self.assertIn("outside the surface", text)
+
+
 class CommandTest(unittest.TestCase):
     """igasolve's exit codes and reports."""
 

@@ -17,12 +17,14 @@ std::size_t expect_inside(const SplineGrid& grid, const TriangleMesh& mesh) {
   const Trimming trimming = trim(grid, mesh, {});
   const auto planes = half_spaces(to_span_units(grid, mesh), mesh.triangles);
   LocalSurface local;
+  PieceInterior interior;
   LineCaster caster;
   std::size_t checked = 0;
   for (std::size_t t = 0; t < trimming.pieces.spans.size(); ++t) {
     if (trimming.touched_fraction[t] <= 1e-14) continue;
     gather_local_surface(grid, trimming, t, local);
-    caster.attach(local);
+    interior.attach(local);
+    caster.attach(local, interior);
     for (const int n : {5, 8}) {
       std::vector<double> points;
       const auto& lattice = gauss_legendre(n).nodes;

@@ -102,11 +102,11 @@ TEST(PieceInterior, ClearanceIsABoundAndSeesTheSurfaceInBetween) {
     for (std::size_t t = 0; t < trimming.pieces.spans.size(); t += 3) {
       part.open(t);
       if (part.surface().fraction < 1e-3 || part.surface().fraction > 1 - 1e-9) continue;
-      interior.attach(part.surface(), part.caster());
+      interior.attach(part.surface());
       std::vector<Point3> in, out;
       for (int i = 0; i < 400; ++i) {
         const Point3 x{any(random), any(random), any(random)};
-        (part.caster().inside(x) ? in : out).push_back(x);
+        (part.interior().holds(x) ? in : out).push_back(x);
       }
       if (in.empty()) continue;
       for (std::size_t i = 0; i < std::min<std::size_t>(in.size(), 20); ++i) {
@@ -189,14 +189,14 @@ TEST(SpanReducer, PiecesThatAreNotConvex) {
   int bent = 0;
   for (const Fitted& f : reduced.rules) {
     part.open(f.touched);
-    interior.attach(part.surface(), part.caster());
+    interior.attach(part.surface());
     bent += !interior.is_convex();
     std::vector<double> x = f.rule.points, w = f.rule.weights;
     part.to_box(x, w);
     EXPECT_LE(part.residual(x, w), 1e-10);
     for (std::size_t k = 0; k < w.size(); ++k) {
       EXPECT_GT(w[k], 0);
-      EXPECT_TRUE(part.caster().inside({x[3 * k], x[3 * k + 1], x[3 * k + 2]}));
+      EXPECT_TRUE(part.interior().holds({x[3 * k], x[3 * k + 1], x[3 * k + 2]}));
     }
   }
   EXPECT_GT(bent, 8);
