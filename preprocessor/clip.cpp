@@ -132,6 +132,13 @@ Polygon as_polygon(const TriangleMesh& mesh, const std::vector<Point3>& xi, std:
 // Work is shared in blocks of about this many spans; larger triangles are cut up.
 constexpr std::int64_t spans_per_block = 16384;
 
+// The block of slabs that starts at `first`. The outermost blocks have no end: rounding can put a part of a triangle
+// that ends in a grid plane into the plane itself, and with it into the slab beyond the triangle's last one.
+SlabRange block_of(SlabRange all, std::int64_t first, std::int64_t width) {
+  const std::int64_t last = first + width - 1;
+  return {first == all.first ? INT64_MIN : first, last >= all.last ? INT64_MAX : last};
+}
+
 std::vector<WorkItem> make_items(const TriangleMesh& mesh, const std::vector<Point3>& xi, const Index3& n) {
   std::vector<WorkItem> items;
   items.reserve(mesh.triangles.size());
@@ -143,10 +150,7 @@ std::vector<WorkItem> make_items(const TriangleMesh& mesh, const std::vector<Poi
     const std::int64_t dy = dz > 1 ? ny : std::clamp<std::int64_t>(spans_per_block / nx, 1, ny);
     for (std::int64_t k = z.first; k <= z.last; k += dz)
       for (std::int64_t j = y.first; j <= y.last; j += dy)
-        items.push_back({static_cast<std::int32_t>(t),
-                         {k, std::min(k + dz - 1, z.last)},
-                         {j, std::min(j + dy - 1, y.last)},
-                         nx * dy * dz});
+        items.push_back({static_cast<std::int32_t>(t), block_of(z, k, dz), block_of(y, j, dy), nx * dy * dz});
   }
   return items;
 }

@@ -5,11 +5,11 @@
 #include "preprocessor/surface_fill.hpp"
 #include "preprocessor/surface_junctions.hpp"
 #include "preprocessor/surface_regions.hpp"
+#include "preprocessor/surface_sheets.hpp"
 #include "preprocessor/surface_shells.hpp"
 #include "preprocessor/surface_stitch.hpp"
 #include "preprocessor/surface_topology.hpp"
 #include "preprocessor/surface_union.hpp"
-#include "preprocessor/surface_untangle.hpp"
 #include "preprocessor/surface_weld.hpp"
 #include "preprocessor/surface_wrap.hpp"
 
@@ -61,7 +61,10 @@ class Preparation {
 
   PreparedSurface run() {
     clean();
-    if (options_.repair) close();
+    if (options_.repair) {
+      drop_sheets();
+      close();
+    }
     judge_closedness();
     judge_shells();
     judge_crossings();
@@ -70,13 +73,15 @@ class Preparation {
 
   /// A surface around this one instead of it, because of `reason`.
   PreparedSurface run_wrapped(const std::string& reason) {
-    if (!(size_ > 0) || surface_.mesh.triangles.empty()) throw InputError(reason);
+    judge_size();
     const double alpha = options_.wrap_alpha.value_or(size_ / 50);
     const double offset = options_.wrap_offset.value_or(alpha / 30);
     if (!(alpha > 0) || !(offset > 0))
       refuse(fmt::format("wrap alpha is {} and offset {}; both must be positive lengths", alpha, offset));
     const double area = surface_area(surface_.mesh);
     surface_.mesh = wrap_surface(surface_.mesh, alpha, offset);
+    if (surface_.mesh.triangles.empty())
+      refuse("no facet has area (the corners of each lie on a line): there is nothing to wrap; export the part again");
     // An open surface whose hole lets the wrap in is wrapped from both sides: twice the area, hardly any volume.
     const double volume = volume_moments(surface_.mesh).volume;
     if (surface_area(surface_.mesh) > 1.5 * area && volume < alpha * area)
@@ -104,8 +109,8 @@ class Preparation {
   void warn(std::string text) { out_.warnings.push_back(std::move(text)); }
   [[noreturn]] void refuse(const std::string& text) const { throw InputError(fmt::format("{}: {}", file_, text)); }
 
-  /// Repairs that leave the shape as it is.
-  void clean() {
+  /// What neither a repair nor wrapping can mend.
+  void judge_size() const {
     if (is_point_) refuse("the surface has no extent: all vertices coincide; export the part again");
     if (surface_.mesh.triangles.empty())
       refuse("the surface has no area: every facet has two equal vertices; export the part again");
@@ -114,6 +119,11 @@ class Preparation {
           fmt::format("the box's diagonal is {:.3g}; lengths from {:.0e} to {:.0e} can be integrated: choose another "
                       "unit (--scale)",
                       size_, least_size, largest_size));
+  }
+
+  /// Repairs that leave the shape as it is.
+  void clean() {
+    judge_size();
     const std::int64_t facets_before = static_cast<std::int64_t>(surface_.mesh.triangles.size());
     const NearWeld near = weld_near_vertices(surface_);
     if (near.joined > 0)
@@ -166,6 +176,21 @@ class Preparation {
     if (orienting.turned > 0)
       found(fmt::format("{} turned to agree with the neighbours",
                         counted(orienting.turned, "flipped facet", "flipped facets")));
+  }
+
+  /// Facets that bound no material would keep the surface open.
+  void drop_sheets() {
+    constexpr double much_dropped = 0.02;
+    const double area = surface_area(surface_.mesh);
+    const DroppedSheets dropped = drop_free_sheets(surface_);
+    if (dropped.sheets == 0) return;
+    out_.shape_changed = true;
+    const std::string text =
+        fmt::format("{} without material on one side dropped ({} of {:.4g} area, the first near {})",
+                    counted(dropped.sheets, "sheet or wall", "sheets or walls"),
+                    counted(dropped.facets, "facet", "facets"), dropped.area, at(dropped.where));
+    found(text);
+    if (dropped.area > much_dropped * area) warn(text + "; compare the volume with the part's");
   }
 
   /// Closes cracks and holes: narrow cracks first, wide ones only where that does not make a solid.
@@ -294,18 +319,10 @@ class Preparation {
     found(fmt::format("{} without thickness dropped (volume {:.2g} in all)", counted(flat, "shell", "shells"), volume));
   }
 
-  /// Bodies inside bodies: their shells go where repairs are allowed.
+  /// Bodies inside bodies: the union takes them up where repairs are allowed.
   void judge_doubled(const std::vector<std::int32_t>& doubled) {
     if (options_.repair) {
-      std::vector<bool> keep(surface_.mesh.triangles.size(), true);
-      for (std::int32_t s : doubled)
-        for (std::int32_t f : shells_.facets[static_cast<std::size_t>(s)]) keep[static_cast<std::size_t>(f)] = false;
-      keep_triangles(surface_, keep);
-      found(fmt::format("{} inside another body dropped",
-                        counted(static_cast<std::int64_t>(doubled.size()), "shell", "shells")));
-      out_.shape_changed = true;
-      shells_ = find_shells(surface_.mesh);
-      count_bodies();
+      doubled_ = doubled;
       return;
     }
     const Box3& box = shells_.box[static_cast<std::size_t>(doubled.front())];
@@ -324,49 +341,60 @@ class Preparation {
     out_.bodies = static_cast<int>(shells_.count()) - out_.cavities;
   }
 
-  Crossings look_for_crossings() const {
+  void judge_crossings() {
     Crossings crossings = find_crossings(surface_.mesh, shells_, touch_tolerance * size_);
     add_hidden_overlaps(crossings);
-    return crossings;
-  }
-
-  void judge_crossings() {
-    Crossings crossings = look_for_crossings();
     std::string failure;
-    if (options_.repair && untangle(crossings)) crossings = look_for_crossings();
-    if (options_.repair && !crossings.shells.empty()) {
+    if (options_.repair && (crossings.pairs > 0 || !crossings.shells.empty() || !doubled_.empty())) {
       failure = unite(crossings);
-      if (failure.empty()) crossings = look_for_crossings();
+      // The union is exact: what is left to look for is what rounding its vertices may have done.
+      if (failure.empty()) crossings = find_crossings(surface_.mesh, shells_, touch_tolerance * size_);
     }
-    if (crossings.pairs == 0 && crossings.shells.empty()) return;
-    const std::string where = fmt::format("{} (up to {:.3g} deep, deepest near {})",
-                                          counted(crossings.pairs, "pair of facets crosses", "pairs of facets cross"),
-                                          crossings.depth, at(crossings.where));
-    if (!crossings.shells.empty() && !options_.accept_leaks)
-      refuse(fmt::format(
-          "bodies overlap: {} of {}; the overlap would count twice; {}", where,
-          counted(static_cast<std::int64_t>(crossings.shells.size()), "pair of shells", "pairs of shells"),
-          options_.repair ? fmt::format("--repair could not unite them ({}); --wrap makes one surface around them",
-                                        failure.empty() ? "the union still crosses itself" : failure)
-                          : "--repair unites the bodies"));
-    warn(fmt::format("the surface intersects itself: {}; the volume there may count twice; {}", where,
-                     options_.repair ? "--repair could not remove it" : "--repair removes it"));
+    if (crossings.pairs == 0 && crossings.shells.empty() && failure.empty()) return;
+    std::string where =
+        counted(static_cast<std::int64_t>(crossings.shells.size()), "pair of shells", "pairs of shells");
+    if (crossings.pairs > 0)
+      where += fmt::format(", {} (up to {:.3g} deep, deepest near {})",
+                           counted(crossings.pairs, "pair of facets crosses", "pairs of facets cross"), crossings.depth,
+                           at(crossings.where));
+    const std::string advice = options_.repair
+                                   ? fmt::format("--repair could not remove this ({}); mend the part where it was made",
+                                                 failure.empty() ? "facets still cross" : failure)
+                                   : "--repair keeps what is enclosed at least once";
+    if ((!crossings.shells.empty() || !failure.empty()) && !options_.accept_leaks)
+      refuse(fmt::format("bodies overlap or share part of their faces: {}; volume would count twice or walls would "
+                         "stand without material; {}",
+                         where, advice));
+    warn(fmt::format("the surface crosses itself: {}; the volume there may count twice; {}", where, advice));
   }
 
-  /// Removes what single shells enclose twice. @return whether anything changed
-  bool untangle(const Crossings& crossings) {
-    std::vector<std::int32_t> tangled;
-    for (const auto& [s, t] : crossings.facets)
-      if (const std::int32_t shell = shells_.shell[static_cast<std::size_t>(s)];
-          shell == shells_.shell[static_cast<std::size_t>(t)])
-        tangled.push_back(shell);
-    std::sort(tangled.begin(), tangled.end());
-    tangled.erase(std::unique(tangled.begin(), tangled.end()), tangled.end());
-    if (tangled.empty() || !untangle_shells(surface_, shells_, tangled)) return false;
-    after_rebuild();
-    found(fmt::format("self-intersections removed from {}",
-                      counted(static_cast<std::int64_t>(tangled.size()), "shell", "shells")));
-    return true;
+  /// Facets of the shells that cross themselves or others or lie in another body, and of all shells beside them.
+  std::vector<std::int32_t> facets_to_unite(const Crossings& crossings) const {
+    std::vector<bool> marked(shells_.count(), false);
+    const auto mark = [&](std::int32_t s) { marked[static_cast<std::size_t>(s)] = true; };
+    for (const auto& [a, b] : crossings.facets) {
+      mark(shells_.shell[static_cast<std::size_t>(a)]);
+      mark(shells_.shell[static_cast<std::size_t>(b)]);
+    }
+    for (const auto& [a, b] : crossings.shells) {
+      mark(a);
+      mark(b);
+    }
+    for (std::int32_t s : doubled_) mark(s);
+    const auto meet = [&](std::size_t a, std::size_t b) {
+      for (std::size_t d = 0; d < 3; ++d)
+        if (shells_.box[a].lower[d] > shells_.box[b].upper[d] || shells_.box[b].lower[d] > shells_.box[a].upper[d])
+          return false;
+      return true;
+    };
+    std::vector<std::int32_t> facets;
+    for (std::size_t s = 0; s < shells_.count(); ++s) {
+      bool in = marked[s];
+      for (std::size_t o = 0; o < shells_.count() && !in; ++o) in = marked[o] && meet(s, o);
+      if (in) facets.insert(facets.end(), shells_.facets[s].begin(), shells_.facets[s].end());
+    }
+    std::sort(facets.begin(), facets.end());
+    return facets;
   }
 
   void after_rebuild() {
@@ -395,10 +423,18 @@ class Preparation {
 
   /// @return why it failed, empty on success
   std::string unite(const Crossings& crossings) {
-    const Uniting uniting = unite_bodies(surface_, shells_, crossings.shells);
+    if (!closed_) return "the surface is open";
+    const double before = volume_moments(surface_.mesh).volume;
+    const std::size_t shells = shells_.count();
+    const Uniting uniting = unite_by_winding(surface_, facets_to_unite(crossings));
     if (!uniting.failure.empty()) return uniting.failure;
     after_rebuild();
-    found(fmt::format("overlapping bodies united: {} became {}", uniting.bodies, uniting.unions));
+    found(
+        fmt::format("overlaps and self-intersections removed: {} cut, what is enclosed at least once stays; {} became "
+                    "{}, volume {:.8g} became {:.8g}",
+                    counted(uniting.cut_facets, "facet was", "facets were"),
+                    counted(static_cast<std::int64_t>(shells), "shell", "shells"), shells_.count(), before,
+                    volume_moments(surface_.mesh).volume));
     return {};
   }
 
@@ -417,9 +453,10 @@ class Preparation {
   const SurfaceOptions& options_;
   Surface surface_;
   Shells shells_;
-  double size_ = 0;            ///< diagonal of the box of all facets with size as read, length
-  bool is_point_ = false;      ///< all vertices as read coincide
-  std::int64_t collapsed_ = 0; ///< facets without size that were dropped first
+  std::vector<std::int32_t> doubled_; ///< shells that face outwards inside another body
+  double size_ = 0;                   ///< diagonal of the box of all facets with size as read, length
+  bool is_point_ = false;             ///< all vertices as read coincide
+  std::int64_t collapsed_ = 0;        ///< facets without size that were dropped first
   bool closed_ = false;
   PreparedSurface out_;
 };

@@ -1,24 +1,23 @@
-// Unites overlapping bodies, so that nothing counts twice.
+// The boundary of everything that a surface encloses at least once: bodies that overlap are united, a surface that
+// crosses itself loses what it encloses twice.
 #pragma once
 
-#include "preprocessor/surface_shells.hpp"
+#include "preprocessor/surface_topology.hpp"
 
-#include <optional>
 #include <string>
 
 namespace iga::prep {
 
 struct Uniting {
-  std::int64_t bodies = 0; ///< bodies that went into unions
-  std::int64_t unions = 0; ///< bodies that came out
-  std::string failure;     ///< why the union failed; empty on success
+  std::int64_t cut_facets = 0; ///< facets that were cut where they cross others
+  std::string failure;         ///< why there is no union, the surface is then as before; empty on success
 };
 
-/// Replaces bodies that cross each other by their union, with exact arithmetic (CGAL's corefinement); other bodies are
-/// left alone. Facets keep their regions; vertices that stay keep their bits.
-/// @param crossing  pairs of shells that cross
-/// @pre orient_shells has run: closed shells, bodies outwards, cavities inwards
-Uniting unite_bodies(Surface& surface, const Shells& shells,
-                     std::span<const std::pair<std::int32_t, std::int32_t>> crossing);
+/// Cuts the listed facets where they cross each other and keeps the parts between winding number ≤ 0 and ≥ 1, with
+/// exact arithmetic (Zhou, Grinspun, Zorin, Jacobson: Mesh arrangements for solid geometry, 2016). All bodies are taken
+/// in one pass, so the time grows like the number of facets that cross. Facets keep their regions; other facets stay.
+/// @param facets  a closed chain, bodies outwards, cavities inwards
+/// @throws io::Interrupted after Ctrl-C
+Uniting unite_by_winding(Surface& surface, std::span<const std::int32_t> facets);
 
 } // namespace iga::prep

@@ -6,6 +6,7 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Surface_mesh.h>
 #include <CGAL/alpha_wrap_3.h>
+#include <cmath>
 
 namespace iga::prep {
 
@@ -23,9 +24,12 @@ using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
 TriangleMesh wrap_surface(const TriangleMesh& mesh, double alpha, double offset) {
   const Box3 box = bounding_box(mesh);
   const Point3 centre = plus(box.lower, times(minus(box.upper, box.lower), 0.5));
+  // A diagonal between 1 and 2 by a power of two, which rounds nothing: squares and products of very small or large
+  // lengths would leave the range of doubles.
+  const double scale = std::ldexp(1.0, -std::ilogb(diagonal(box)));
   std::vector<Kernel::Point_3> points;
   for (const Point3& v : mesh.vertices) {
-    const Point3 x = minus(v, centre);
+    const Point3 x = times(minus(v, centre), scale);
     points.emplace_back(x[0], x[1], x[2]);
   }
   std::vector<std::array<std::size_t, 3>> faces;
@@ -40,14 +44,15 @@ TriangleMesh wrap_surface(const TriangleMesh& mesh, double alpha, double offset)
     facets.push_back(facet);
     number.push_back(t);
   }
-  Wrap wrap;
-  CGAL::alpha_wrap_3(points, faces, alpha, offset, wrap);
-
   TriangleMesh out;
   out.region_names = mesh.region_names;
+  if (facets.empty()) return out;
+  Wrap wrap;
+  CGAL::alpha_wrap_3(points, faces, alpha * scale, offset * scale, wrap);
+
   for (auto v : wrap.vertices()) {
     const auto& p = wrap.point(v);
-    out.vertices.push_back(plus({p.x(), p.y(), p.z()}, centre));
+    out.vertices.push_back(plus(times({p.x(), p.y(), p.z()}, 1 / scale), centre));
   }
   const Tree tree(facets.begin(), facets.end());
   for (auto f : wrap.faces()) {

@@ -7,7 +7,7 @@ namespace iga::prep {
 
 /// Closed, orientable surface without self-intersections that encloses every facet at a distance of `offset`: CGAL's
 /// alpha wrapping (Portaneri et al., 2022). Holes narrower than `alpha` are bridged. Facets take the region of the
-/// nearest facet.
+/// nearest facet. Empty where no facet has area.
 /// @param alpha, offset  length, > 0
 TriangleMesh wrap_surface(const TriangleMesh& mesh, double alpha, double offset);
 

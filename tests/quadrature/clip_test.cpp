@@ -1,6 +1,7 @@
 #include "preprocessor/clip.hpp"
 
 #include "format/model/errors.hpp"
+#include "format/model/vec3.hpp"
 #include "tests/embed/surfaces.hpp"
 
 #include <cmath>
@@ -92,6 +93,24 @@ void expect_closed(const SurfacePieces& pieces) {
   std::int64_t unmatched = 0;
   for (const auto& [edge, count] : open) unmatched += std::abs(count);
   EXPECT_EQ(unmatched, 0);
+}
+
+TEST(Clip, LosesNothingOfTrianglesThatRoundIntoAGridPlane) {
+  // Triangles that reach a grid plane from less than 1e-14 below it: cut by the other planes, a part may round into it.
+  const SplineGrid grid = unit_grid({30, 30, 30});
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> place(5, 20), depth(0, 8e-15);
+  for (std::size_t d = 0; d < 3; ++d)
+    for (int i = 0; i < 300; ++i) {
+      TriangleMesh mesh = random_triangles(1, 20, static_cast<unsigned>(i));
+      for (Point3& x : mesh.vertices) x = {place(random), place(random), place(random)};
+      for (std::size_t a = 0; a < 3; ++a) mesh.vertices[a][d] = a == 0 ? 22 : 22 - depth(random);
+      const SurfacePieces pieces = clip_to_spans(grid, mesh);
+      double sum = 0;
+      for (std::int64_t q = 0; q < pieces.num_pieces(); ++q) sum += norm(area_of(pieces.polygon(q)));
+      const double area = norm(area_of(mesh.vertices));
+      EXPECT_NEAR(sum, area, 1e-12 * (1 + area)) << "triangle " << i << ", axis " << d;
+    }
 }
 
 TEST(Clip, PiecesOfRandomTrianglesAddUpInsideTheirSpans) {

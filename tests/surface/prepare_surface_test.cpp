@@ -223,7 +223,7 @@ TEST(PrepareSurface, RemovesSelfIntersections) {
   pierced.erase(pierced.begin() + 2, pierced.begin() + 4);
   const std::array<Point3, 4> top{{{0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}}};
   for (std::size_t i = 0; i < 4; ++i) pierced.push_back({top[i], top[(i + 1) % 4], {0.5, 0.5, -0.5}});
-  EXPECT_TRUE(mentions(prepare(pierced).warnings, "intersects itself"));
+  EXPECT_TRUE(mentions(prepare(pierced).warnings, "crosses itself"));
   const PreparedSurface out = prepare(pierced, repairing());
   EXPECT_TRUE(mentions(out.findings, "self-intersections removed"));
   EXPECT_NEAR(volume(out), 1 - (std::pow(1.5, 3) - std::pow(0.5, 3)) / 6.75, 1e-13);
