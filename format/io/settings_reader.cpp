@@ -13,6 +13,7 @@
 #include <iterator>
 #include <numeric>
 #include <set>
+#include <stdexcept>
 // toml++ 3.3 asserts that a table's name follows "[" in the same line; without the assertion it refuses the file.
 #define TOML_ASSERT(expression) static_assert(true)
 #include <toml++/toml.h>
@@ -22,7 +23,13 @@ namespace iga::io {
 struct SettingsTable::File {
   std::filesystem::path path;
   toml::table root;
-  std::set<std::string> known; // full paths of keys and tables that were asked for
+  std::set<std::string> known; // full paths of keys and tables that were asked for, or may be
+  bool complete = false;       // no other key may be asked for
+};
+
+struct SettingsTable::UnknownKey {
+  std::string table, key;
+  unsigned line = 0;
 };
 
 namespace {
@@ -98,6 +105,42 @@ std::optional<std::vector<T>> list_of(const toml::node& node, std::initializer_l
   return values;
 }
 
+std::string value_text(const toml::node& node) {
+  if (const auto* integer = node.as_integer()) {
+    const auto value = static_cast<double>(integer->get()); // 4 as 4.0, as long as a double has it
+    return static_cast<std::int64_t>(value) == integer->get() ? fmt::format("{}", value)
+                                                              : fmt::format("{}", integer->get());
+  }
+  if (const auto* number = node.as_floating_point()) return fmt::format("{}", number->get());
+  if (const auto* text = node.as_string()) return fmt::format("\"{}\"", text->get());
+  if (const auto* flag = node.as_boolean()) return flag->get() ? "true" : "false";
+  std::vector<std::string> parts;
+  if (const auto* array = node.as_array()) {
+    for (const toml::node& entry : *array) parts.push_back(value_text(entry));
+    return fmt::format("[{}]", fmt::join(parts, ", "));
+  }
+  if (const auto* table = node.as_table()) {
+    for (const auto& [key, entry] : *table) parts.push_back(fmt::format("{} = {}", key.str(), value_text(entry)));
+    return fmt::format("{{{}}}", fmt::join(parts, ", "));
+  }
+  return found(node);
+}
+
+void add_entries(const std::string& path, const toml::table& table, std::vector<SettingsEntry>& entries) {
+  for (const auto& [key, node] : table) {
+    const std::string full = join(path, key.str());
+    if (const auto* inner = node.as_table()) {
+      add_entries(full, *inner, entries);
+    } else if (node.is_array() && node.as_array()->is_homogeneous(toml::node_type::table)) {
+      std::size_t number = 0;
+      for (const toml::node& entry : *node.as_array())
+        add_entries(fmt::format("{}[{}]", full, ++number), *entry.as_table(), entries);
+    } else {
+      entries.push_back({full, value_text(node), node.source().begin.line});
+    }
+  }
+}
+
 const toml::node* node_of(const void* table, std::string_view key) {
   return table ? static_cast<const toml::table*>(table)->get(key) : nullptr;
 }
@@ -128,7 +171,7 @@ SettingsTable SettingsTable::read(const std::filesystem::path& file) {
 
 SettingsTable SettingsTable::table(std::string_view key) {
   const std::string full = join(path_, key);
-  file_->known.insert(full);
+  take_note(full);
   const toml::node* node = node_of(node_, key);
   if (node && !node->is_table()) refuse(file_->path, full, *node, fmt::format("a table, written as [{}]", full));
   return {file_, full, node ? node->as_table() : nullptr};
@@ -136,7 +179,7 @@ SettingsTable SettingsTable::table(std::string_view key) {
 
 std::vector<SettingsTable> SettingsTable::tables(std::string_view key) {
   const std::string full = join(path_, key);
-  file_->known.insert(full);
+  take_note(full);
   const toml::node* node = node_of(node_, key);
   if (!node) return {};
   if (!node->is_array() || !node->as_array()->is_homogeneous(toml::node_type::table))
@@ -156,7 +199,7 @@ std::string SettingsTable::where(std::string_view key) const {
 
 std::optional<bool> SettingsTable::boolean(std::string_view key) {
   const std::string full = join(path_, key);
-  file_->known.insert(full);
+  take_note(full);
   const toml::node* node = node_of(node_, key);
   if (!node) return std::nullopt;
   if (!node->is_boolean()) refuse(file_->path, full, *node, "true or false");
@@ -165,7 +208,7 @@ std::optional<bool> SettingsTable::boolean(std::string_view key) {
 
 std::optional<std::string> SettingsTable::text(std::string_view key) {
   const std::string full = join(path_, key);
-  file_->known.insert(full);
+  take_note(full);
   const toml::node* node = node_of(node_, key);
   if (!node) return std::nullopt;
   if (!node->is_string()) refuse(file_->path, full, *node, "a text in quotes");
@@ -174,7 +217,7 @@ std::optional<std::string> SettingsTable::text(std::string_view key) {
 
 std::optional<std::vector<std::string>> SettingsTable::texts(std::string_view key) {
   const std::string full = join(path_, key);
-  file_->known.insert(full);
+  take_note(full);
   const toml::node* node = node_of(node_, key);
   if (!node) return std::nullopt;
   const char* expected = "a list of texts in quotes";
@@ -205,7 +248,7 @@ std::optional<std::int64_t> SettingsTable::integer(std::string_view key) {
 std::optional<std::vector<double>> SettingsTable::numbers(std::string_view key,
                                                           std::initializer_list<std::size_t> lengths) {
   const std::string full = join(path_, key);
-  file_->known.insert(full);
+  take_note(full);
   const toml::node* node = node_of(node_, key);
   if (!node) return std::nullopt;
   auto values = list_of<double>(*node, lengths, finite_number);
@@ -216,7 +259,7 @@ std::optional<std::vector<double>> SettingsTable::numbers(std::string_view key,
 std::optional<std::vector<std::int64_t>> SettingsTable::integers(std::string_view key,
                                                                  std::initializer_list<std::size_t> lengths) {
   const std::string full = join(path_, key);
-  file_->known.insert(full);
+  take_note(full);
   const toml::node* node = node_of(node_, key);
   if (!node) return std::nullopt;
   auto values = list_of<std::int64_t>(*node, lengths, whole_number);
@@ -226,7 +269,7 @@ std::optional<std::vector<std::int64_t>> SettingsTable::integers(std::string_vie
 
 std::optional<std::vector<std::vector<double>>> SettingsTable::rows(std::string_view key, std::size_t columns) {
   const std::string full = join(path_, key);
-  file_->known.insert(full);
+  take_note(full);
   const toml::node* node = node_of(node_, key);
   if (!node) return std::nullopt;
   const auto expected = fmt::format("a list of lists of {} finite numbers", columns);
@@ -255,36 +298,70 @@ bool SettingsTable::holds(std::string_view key) const {
 }
 
 void SettingsTable::expect(std::string_view key) {
-  file_->known.insert(join(path_, key));
+  take_note(join(path_, key));
+}
+
+std::vector<SettingsEntry> SettingsTable::entries() const {
+  std::vector<SettingsEntry> entries;
+  if (node_) add_entries(path_, *static_cast<const toml::table*>(node_), entries);
+  return entries;
+}
+
+void SettingsTable::take_note(const std::string& full) const {
+  if (file_->complete && !file_->known.contains(full))
+    throw std::logic_error(
+        fmt::format("{} is asked for but not listed among the keys of {}", spoken(full), file_->path.string()));
+  file_->known.insert(full);
+}
+
+void SettingsTable::expect_only(const std::vector<TableKeys>& tables) {
+  for (const TableKeys& table : tables) {
+    for (std::size_t end = table.table.find('.'); end != std::string::npos; end = table.table.find('.', end + 1))
+      take_note(table.table.substr(0, end));
+    if (!table.table.empty()) take_note(table.table);
+    for (const std::string& key : table.keys) take_note(join(table.table, key));
+  }
+  file_->complete = true;
+  refuse_unknown_keys();
+}
+
+std::optional<SettingsTable::UnknownKey> SettingsTable::first_unknown_key() const {
+  std::optional<UnknownKey> first;
+  const auto take = [&first](std::optional<UnknownKey> other) {
+    if (other && (!first || other->line < first->line)) first = std::move(other);
+  };
+  for (const auto& [key, node] : *static_cast<const toml::table*>(node_)) {
+    const std::string full = join(path_, key.str());
+    if (!file_->known.contains(full)) {
+      take(UnknownKey{path_, std::string(key.str()), key.source().begin.line});
+      continue;
+    }
+    if (node.is_table()) take(SettingsTable(file_, full, node.as_table()).first_unknown_key());
+    if (node.is_array())
+      for (const toml::node& entry : *node.as_array())
+        if (entry.is_table()) take(SettingsTable(file_, full, entry.as_table()).first_unknown_key());
+  }
+  return first;
 }
 
 void SettingsTable::refuse_unknown_keys() const {
-  if (!node_) return;
-  for (const auto& [key, node] : *static_cast<const toml::table*>(node_)) {
-    const std::string full = join(path_, key.str());
-    if (file_->known.contains(full)) {
-      if (node.is_table()) SettingsTable(file_, full, node.as_table()).refuse_unknown_keys();
-      if (node.is_array())
-        for (const toml::node& entry : *node.as_array())
-          if (entry.is_table()) SettingsTable(file_, full, entry.as_table()).refuse_unknown_keys();
-      continue;
-    }
-    // The same name in another table is the likeliest slip, then a misspelt name of this table.
-    std::vector<std::string> here;
-    std::optional<std::string> meant;
-    for (const std::string& name : file_->known) {
-      const auto dot = name.rfind('.');
-      const std::string last = dot == std::string::npos ? name : name.substr(dot + 1);
-      if ((dot == std::string::npos ? "" : name.substr(0, dot)) == path_) here.push_back(last);
-      if (last == key.str()) meant = name;
-    }
-    if (!meant)
-      if (const auto near = nearest_name(key.str(), here)) meant = join(path_, *near);
-    const std::string advice = meant ? fmt::format("did you mean {}?", spoken(*meant))
-                                     : fmt::format("known keys here: {}", fmt::join(here, ", "));
-    throw InputError(
-        fmt::format("{}:{}: unknown key {}; {}", file_->path.string(), key.source().begin.line, spoken(full), advice));
+  const auto unknown = node_ ? first_unknown_key() : std::nullopt;
+  if (!unknown) return;
+  // The same name in another table is the likeliest slip, then a misspelt name of this table.
+  std::vector<std::string> here;
+  std::optional<std::string> meant;
+  for (const std::string& name : file_->known) {
+    const auto dot = name.rfind('.');
+    const std::string last = dot == std::string::npos ? name : name.substr(dot + 1);
+    if ((dot == std::string::npos ? "" : name.substr(0, dot)) == unknown->table) here.push_back(last);
+    if (last == unknown->key) meant = name;
   }
+  if (!meant)
+    if (const auto near = nearest_name(unknown->key, here)) meant = join(unknown->table, *near);
+  const std::string advice = meant ? fmt::format("did you mean {}?", spoken(*meant))
+                                   : fmt::format("known keys here: {}", fmt::join(here, ", "));
+  throw InputError(fmt::format("{}:{}: unknown key {}; {}", file_->path.string(), unknown->line,
+                               spoken(join(unknown->table, unknown->key)), advice));
 }
 
 std::optional<std::string> nearest_name(std::string_view word, const std::vector<std::string>& names) {

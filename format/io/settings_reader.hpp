@@ -13,6 +13,20 @@
 
 namespace iga::io {
 
+/// Keys of one table: "" is the root, "bodies.material" the table [bodies.material] (or material = {…} in [[bodies]]).
+/// A table's parent need not list it.
+struct TableKeys {
+  std::string table;
+  std::vector<std::string> keys;
+};
+
+/// One value of a settings file.
+struct SettingsEntry {
+  std::string path;  ///< "time.end", "bodies[2].material.E": entries of [[bodies]] count from 1
+  std::string value; ///< the same text for the same value, however it was written: 4 and 4.0, spaces, order of tables
+  unsigned line = 0;
+};
+
 /// One table of a settings file. The getters return nothing for an absent key.
 /// All of them throw InputError "file:line: key: found this, expected that" for a value of another type, and for
 /// numbers that are not finite.
@@ -51,12 +65,22 @@ class SettingsTable {
   /// the table where the key is absent.
   std::string where(std::string_view key) const;
 
-  /// Call on the root after every key was asked for. @throws InputError naming the line and the nearest known key
+  /// All values of the table and of those in it, in the alphabet's order: what two files differ in.
+  std::vector<SettingsEntry> entries() const;
+
+  /// Says, before any value is read, every key that the file may hold: a key that is not among them is refused with its
+  /// line before anything else of the file is looked at. Asking for another key later is a mistake of the program.
+  /// Call on the root. @throws InputError for the first unknown key, naming the line and the nearest known key
+  void expect_only(const std::vector<TableKeys>& tables);
+  /// Call on the root after every key was asked for. @throws InputError as expect_only
   void refuse_unknown_keys() const;
 
  private:
   struct File;
+  struct UnknownKey;
   SettingsTable(std::shared_ptr<File> file, std::string path, const void* node);
+  void take_note(const std::string& full) const;
+  std::optional<UnknownKey> first_unknown_key() const;
 
   std::shared_ptr<File> file_;
   std::string path_;           // "" for the root, "grid" for [grid]

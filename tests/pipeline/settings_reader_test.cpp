@@ -4,6 +4,7 @@
 #include "tests/support/temp_folder.hpp"
 
 #include <gtest/gtest.h>
+#include <stdexcept>
 
 namespace iga::io {
 namespace {
@@ -50,6 +51,32 @@ TEST(SettingsReader, UnknownKeyNamesItsLineAndTheNearestKey) {
   root.table("grid").number("degree");
   expect_words(refusal([&] { root.refuse_unknown_keys(); }),
                {"run.toml:4", "'degre' in [grid]", "did you mean 'degree' in [grid]"});
+}
+
+TEST(SettingsReader, KeysSaidBeforehandAreCheckedBeforeAnyValue) {
+  const TempFolder folder;
+  const std::vector<TableKeys> keys{{"", {"title"}}, {"grid", {"degree"}}, {"grid.box", {"lower"}}};
+  auto good = table_of(folder, "title = 1\n[grid]\ndegree = 2\nbox = {lower = 0}\n");
+  EXPECT_NO_THROW(good.expect_only(keys));
+  EXPECT_EQ(good.table("grid").integer("degree"), 2);
+  EXPECT_THROW(good.number("size"), std::logic_error); // a getter that the list forgot
+  auto bad = table_of(folder, "title = 1\n[grid.box]\nlower = 0\nuppr = 1\n[zzz]\n");
+  expect_words(refusal([&] { bad.expect_only(keys); }), {"run.toml:4: unknown key 'uppr' in [grid.box]"});
+}
+
+TEST(SettingsReader, EntriesAreTheSameHoweverTheyAreWritten) {
+  const TempFolder folder;
+  const auto text_of = [&](const std::string& text) {
+    std::string all;
+    for (const SettingsEntry& entry : table_of(folder, text).entries()) all += entry.path + "=" + entry.value + ";";
+    return all;
+  };
+  const std::string expected = "a[1].b=4;a[1].c.d=\"x\";a[2].b=[[0, 0.5], [1, 2]];e=true;f.g=1e-09;";
+  EXPECT_EQ(text_of("e = true\n[[a]]\nb = 4\nc = {d = \"x\"}\n[[a]]\nb = [[0, 0.5], [1, 2]]\n[f]\ng = 1e-9\n"),
+            expected);
+  EXPECT_EQ(
+      text_of("f = {g = 0.000000001}\ne=true # so\n[[a]]\nb = 4.0\n[a.c]\nd = 'x'\n[[a]]\nb=[[0.0,0.5],[1,2.0]]\n"),
+      expected);
 }
 
 TEST(SettingsReader, KeyInTheWrongTableIsSentToTheRightOne) {
