@@ -171,6 +171,20 @@ Support read_support(io::SettingsTable& table, std::size_t number) {
 
 } // namespace
 
+std::vector<io::TableKeys> region_keys(const std::string& table) {
+  return {{table, {"region", "box", "plane", "normal", "whole_surface"}},
+          {table + ".plane", {"point", "normal", "tolerance"}},
+          {table + ".normal", {"direction", "angle"}}};
+}
+
+std::vector<io::TableKeys> load_keys(const std::string& table) {
+  std::vector<io::TableKeys> keys = region_keys(table);
+  keys.push_back(
+      {table,
+       {"name", "rotation", "rotate_axis_angle", "at", "traction", "force", "body_force", "acceleration", "pressure"}});
+  return keys;
+}
+
 RegionChoice need_region(io::SettingsTable& table) {
   const ReadRegion region = read_region(table);
   if (!region.given) refuse(table, "region", fmt::format("missing; {}", how_to_choose));

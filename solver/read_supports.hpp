@@ -19,6 +19,10 @@ struct StaticSettings {
 std::vector<Support> read_supports(io::SettingsTable& root);
 StaticSettings read_static_settings(io::SettingsTable& root);
 
+/// Keys of `table` and of the tables in it, for SettingsTable::expect_only: those that choose surface; those of a load.
+std::vector<io::TableKeys> region_keys(const std::string& table);
+std::vector<io::TableKeys> load_keys(const std::string& table);
+
 /// One [[load]], `number` counted from 1 for its name where it has none.
 Load read_load(io::SettingsTable& table, std::size_t number);
 /// The keys that choose surface. @throws InputError where there are none

@@ -18,7 +18,8 @@ namespace {
 
 std::vector<InputFile> hashed(const ExplicitRun& run) {
   std::vector<InputFile> inputs{{run.file.filename().string(), io::sha256_file(run.file)}};
-  for (const auto& file : run.inputs) inputs.push_back({file.filename().string(), io::sha256_file(file)});
+  for (const RunInput& input : run.inputs)
+    inputs.push_back({input.file.filename().string(), io::sha256_file(input.file)});
   return inputs;
 }
 
@@ -105,7 +106,7 @@ int run_explicit(const ExplicitCommand& command) {
   std::vector<std::string> warnings;
   if (command.restart) { // before hours of work
     restart = read_restart(restart_path(output));
-    warnings = check_restart(*restart, inputs, restart_path(output), IGA_VERSION);
+    warnings = check_restart(*restart, run, inputs, restart_path(output), IGA_VERSION);
   }
   ExplicitScene scene(run);
   warnings.insert(warnings.end(), scene.warnings().begin(), scene.warnings().end());
@@ -118,11 +119,16 @@ int run_explicit(const ExplicitCommand& command) {
     Results before = io::read_results(output);
     if (!before.time_series || !before.fields)
       throw InputError(fmt::format("{}: holds no explicit run to go on with", output.string()));
-    scene.load(restart->state, restart->limits);
+    try {
+      scene.load(restart->state, restart->limits);
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}: {}", restart_path(output).string(), error.what()));
+    }
     recorder.resume(std::move(*before.time_series), static_cast<std::size_t>(restart->rows), restart->sums);
     outputs.resume(*before.fields, static_cast<std::size_t>(restart->fields));
-    loop.resume(*restart);
+    loop.resume();
   } else {
+    scene.check_start();
     progress.start("time step");
     scene.find_limits();
     scene.start();

@@ -13,15 +13,20 @@ namespace {
 
 constexpr double rounding = 1e-9; // of an interval: times that should be equal
 
-// Number of the first output beyond the time t.
-std::int64_t next_number(double t, double interval) {
-  return static_cast<std::int64_t>(std::floor(t / interval + rounding)) + 1;
-}
-
 } // namespace
 
 bool ExplicitLoop::is_due(std::int64_t number, double interval) const {
   return interval > 0 && parts_.scene.integrator().time() >= (static_cast<double>(number) - rounding) * interval;
+}
+
+// Number of the first output that is not due yet.
+std::int64_t ExplicitLoop::next_number(double interval) const {
+  if (!(interval > 0)) return 1;
+  auto number = static_cast<std::int64_t>(std::floor(parts_.scene.integrator().time() / interval + rounding)) + 1;
+  // The quotient may be rounded to the other side than the product of is_due.
+  while (is_due(number, interval)) ++number;
+  while (number > 1 && !is_due(number - 1, interval)) --number;
+  return number;
 }
 
 void ExplicitLoop::begin() {
@@ -32,10 +37,11 @@ void ExplicitLoop::begin() {
   parts_.outputs.publish(parts_.recorder.series());
 }
 
-void ExplicitLoop::resume(const RestartState& restart) {
-  next_row_ = restart.next_row;
-  next_field_ = restart.next_field;
-  next_restart_ = restart.next_restart;
+void ExplicitLoop::resume() {
+  const OutputRun& out = parts_.scene.run().out;
+  next_row_ = next_number(out.interval);
+  next_field_ = next_number(out.field_interval);
+  next_restart_ = next_number(out.restart_interval);
 }
 
 int ExplicitLoop::run() {
@@ -78,7 +84,7 @@ void ExplicitLoop::follow_up() {
   const bool last = integrator.finished();
   if (last || is_due(next_row_, run.out.interval)) {
     parts_.recorder.record();
-    next_row_ = next_number(integrator.time(), run.out.interval);
+    next_row_ = next_number(run.out.interval);
     stop_ = parts_.recorder.stop();
     if (warnings_.empty() && run.energy_warning > 0 && integrator.energy_error() > run.energy_warning) {
       warnings_.push_back(
@@ -89,11 +95,11 @@ void ExplicitLoop::follow_up() {
   }
   if (last || stop_ || is_due(next_field_, run.out.field_interval)) {
     parts_.outputs.add_fields();
-    next_field_ = next_number(integrator.time(), run.out.field_interval);
+    next_field_ = next_number(run.out.field_interval);
     parts_.outputs.publish(parts_.recorder.series());
   }
   if (!last && !stop_ && is_due(next_restart_, run.out.restart_interval)) {
-    next_restart_ = next_number(integrator.time(), run.out.restart_interval);
+    next_restart_ = next_number(run.out.restart_interval);
     parts_.outputs.publish(parts_.recorder.series());
     write_restart_file();
   }
@@ -103,14 +109,12 @@ void ExplicitLoop::write_restart_file() const {
   RestartState restart;
   restart.version = IGA_VERSION;
   restart.inputs = parts_.inputs;
+  restart.settings = settings_to_keep(parts_.scene.run());
   restart.limits = parts_.scene.limits();
   restart.state = parts_.scene.integrator().save();
   restart.sums = parts_.recorder.sums();
   restart.rows = static_cast<std::int64_t>(parts_.recorder.num_rows());
   restart.fields = static_cast<std::int64_t>(parts_.outputs.num_fields());
-  restart.next_row = next_row_;
-  restart.next_field = next_field_;
-  restart.next_restart = next_restart_;
   write_restart(restart_path(parts_.outputs.path()), restart);
 }
 

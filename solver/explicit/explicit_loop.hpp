@@ -22,8 +22,9 @@ class ExplicitLoop {
 
   /// The state at the start: first row, first fields. @pre scene.start()
   void begin();
-  /// Goes on where a restart file was written.
-  void resume(const RestartState& restart);
+  /// Goes on where a restart file was written: the next outputs are the first ones beyond the time of the scene, by the
+  /// intervals of the run file as it is now. @pre scene.load()
+  void resume();
   /// Until the end, a stop condition or a signal. @returns the signal's number, 0 for none
   /// @throws NumericalError of the integrator, after the rows so far were written
   int run();
@@ -35,6 +36,7 @@ class ExplicitLoop {
 
  private:
   bool is_due(std::int64_t number, double interval) const;
+  std::int64_t next_number(double interval) const;
   void follow_up();
   void write_restart_file() const;
   std::string state_text() const;

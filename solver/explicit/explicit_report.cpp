@@ -1,9 +1,11 @@
 #include "solver/explicit/explicit_report.hpp"
 
 #include "format/io/vtp_writer.hpp"
+#include "solver/explicit/step_bounds.hpp"
 #include "solver/model_summary.hpp"
 
 #include <cmath>
+#include <fmt/ranges.h>
 
 namespace iga::solve {
 
@@ -35,6 +37,33 @@ std::string how_it_ended(const ExplicitOutcome& o) {
   return o.scene.integrator().time() >= o.scene.run().time.end_time ? "end time" : "max_steps";
 }
 
+// The bounds are those at the start; what deformation and viscosity took since then shows in the last step.
+void add_step(TextReport& report, const ExplicitOutcome& o) {
+  const ExplicitRun& run = o.scene.run();
+  const std::vector<StepBound> bounds = step_bounds(o.scene);
+  std::string others;
+  for (std::size_t k = 1; k < bounds.size(); ++k)
+    others += fmt::format("{}{} {:.4g}", k > 1 ? ", " : "; next: ", name_of(bounds[k], run), bounds[k].dt);
+  report.line("step", "at most {:.4g} by {}{}", bounds.front().dt, name_of(bounds.front(), run), others);
+  report.line("", "twice the step would need {} (mass scaling is not offered)",
+              fmt::join(doubling_advice(bounds, run), "; "));
+}
+
+io::JsonObject step_json(const ExplicitOutcome& o) {
+  const ExplicitRun& run = o.scene.run();
+  const std::vector<StepBound> bounds = step_bounds(o.scene);
+  std::vector<io::JsonObject> all;
+  for (const StepBound& bound : bounds) {
+    all.push_back(io::JsonObject().add("by", name_of(bound, run)).add("dt", bound.dt));
+    if (bound.span > 0) all.back().add("span", bound.span);
+  }
+  return io::JsonObject()
+      .add("dt", bounds.front().dt)
+      .add("by", name_of(bounds.front(), run))
+      .add("bounds", all)
+      .add("twice_the_step_needs", doubling_advice(bounds, run));
+}
+
 } // namespace
 
 std::string explicit_text(const ExplicitOutcome& o) {
@@ -61,6 +90,7 @@ std::string explicit_text(const ExplicitOutcome& o) {
               stepping > 0
                   ? fmt::format(", {:.3g} ms per step", 1e3 * stepping / static_cast<double>(integrator.steps()))
                   : "");
+  add_step(report, o);
   const auto energies = integrator.energy().values();
   std::string text;
   for (std::size_t i = 0; i < energies.size(); ++i)
@@ -119,6 +149,7 @@ std::string explicit_json(const ExplicitOutcome& o) {
   report.add("bodies", bodies).add("steps", integrator.steps()).add("time", integrator.time());
   report.add("ended_by", how_it_ended(o)).add("dt", integrator.dt()).add("energy", energy);
   report.add("energy_error", integrator.energy_error()).add("momentum_error", o.loop.momentum_error());
+  report.add("time_step", step_json(o));
   report.add("contacts", contacts).add("output", o.outputs.path().string()).add("outputs", o.recorder.num_rows());
   report.add("fields", o.outputs.num_fields()).add("timings", timings).add("peak_memory_mib", peak_memory_mib());
   report.add("warnings", o.warnings);

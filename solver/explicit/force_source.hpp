@@ -8,10 +8,20 @@
 
 #include <limits>
 #include <span>
+#include <string>
+#include <vector>
 
 namespace iga::solve {
 
 class MassOperator;
+
+/// Numbers that a source keeps for a restart, under the name that they have in the restart file.
+struct SavedArray {
+  std::string name;           ///< "contact/numbers": groups and dataset, without two of the same name in a run
+  std::vector<double> values; ///< (rows × columns)
+  std::size_t columns = 0;    ///< any number of rows of so many numbers; 0: the length is that of the source
+  bool operator==(const SavedArray&) const = default;
+};
 
 /// Forces of springs that belong to no body: contact, supports by penalty. They keep their own books.
 class PenaltySource {
@@ -28,9 +38,10 @@ class PenaltySource {
   virtual double kinetic_energy() const { return 0; }
   /// Work of its drives since the start of the run, up to that t_n.
   virtual double external_work() const { return 0; }
-  /// All that changes, for a restart.
-  virtual std::vector<double> save() const { return {}; }
-  virtual void load(std::span<const double>) {}
+  /// All that changes, for a restart. Names and lengths are the same at any time, before the first step too.
+  virtual std::vector<SavedArray> save() const { return {}; }
+  /// @pre the names of save() in its order, each with its length
+  virtual void load(std::span<const SavedArray>) {}
 };
 
 /// Forces that are given, whatever hangs on them: tractions, pressures, point loads. The integrator books their work.

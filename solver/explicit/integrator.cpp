@@ -265,16 +265,26 @@ std::string Integrator::place(std::size_t b, std::int32_t span) const {
 
 namespace {
 
+constexpr const char* other_run = "the state is that of another run; restart with the files that the run began with";
+
 std::vector<double> numbers(const Eigen::VectorXd& x) {
   return {x.data(), x.data() + x.size()};
 }
 
-void restore(const std::vector<double>& from, Eigen::VectorXd& to) {
+void restore(const std::string& name, const std::vector<double>& from, Eigen::VectorXd& to) {
   if (static_cast<Eigen::Index>(from.size()) != to.size())
-    throw InputError(fmt::format("the saved state has {} numbers where the body has {} unknowns; restart with the "
-                                 "files that the run began with",
-                                 from.size(), to.size()));
+    throw InputError(fmt::format("{}: found {} numbers, expected {}; {}", name, from.size(), to.size(), other_run));
   to = Eigen::Map<const Eigen::VectorXd>(from.data(), to.size());
+}
+
+void check_layout(const SavedArray& found, const SavedArray& expected) {
+  if (found.name != expected.name)
+    throw InputError(fmt::format("{}: found in the place of {}; {}", found.name, expected.name, other_run));
+  const std::size_t n = found.values.size();
+  if (expected.columns > 0 ? n % expected.columns != 0 : n != expected.values.size())
+    throw InputError(fmt::format("{}: found {} numbers, expected {}{}; {}", found.name, n,
+                                 expected.columns > 0 ? "rows of " : "",
+                                 expected.columns > 0 ? expected.columns : expected.values.size(), other_run));
 }
 
 template <class Visit> void for_vectors(MomentumBalance& m, Visit visit) {
@@ -289,7 +299,8 @@ IntegratorState Integrator::save() const {
   IntegratorState state;
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const ExplicitBody& body = *bodies_[b];
-    IntegratorState::Body saved{numbers(body.displacement),
+    IntegratorState::Body saved{body.settings().name,
+                                numbers(body.displacement),
                                 numbers(body.velocity),
                                 numbers(body.momentum),
                                 body.forces().save(),
@@ -304,23 +315,29 @@ IntegratorState Integrator::save() const {
     });
     state.bodies.push_back(std::move(saved));
   }
-  for (const PenaltySource* source : penalties_) state.penalties.push_back(source->save());
+  for (const PenaltySource* source : penalties_)
+    for (SavedArray& array : source->save()) state.sources.push_back(std::move(array));
   state.progress = now_;
   return state;
 }
 
 void Integrator::load(const IntegratorState& state, std::vector<StartStep> limits) {
   prepare(std::move(limits));
-  if (state.bodies.size() != bodies_.size() || state.penalties.size() != penalties_.size())
-    throw InputError(fmt::format("the saved state has {} bodies and {} contacts and supports, the run {} and {}; "
-                                 "restart with the files that the run began with",
-                                 state.bodies.size(), state.penalties.size(), bodies_.size(), penalties_.size()));
+  if (state.bodies.size() != bodies_.size())
+    throw InputError(fmt::format("bodies: found {}, expected {}; {}", state.bodies.size(), bodies_.size(), other_run));
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const IntegratorState::Body& saved = state.bodies[b];
-    restore(saved.displacement, bodies_[b]->displacement);
-    restore(saved.velocity, bodies_[b]->velocity);
-    restore(saved.momentum, bodies_[b]->momentum);
-    bodies_[b]->forces().load(saved.points);
+    const std::string& name = bodies_[b]->settings().name;
+    if (saved.name != name)
+      throw InputError(fmt::format("bodies: found '{}' in the place of '{}'; {}", saved.name, name, other_run));
+    restore(fmt::format("bodies/{}/displacement", name), saved.displacement, bodies_[b]->displacement);
+    restore(fmt::format("bodies/{}/velocity", name), saved.velocity, bodies_[b]->velocity);
+    restore(fmt::format("bodies/{}/momentum", name), saved.momentum, bodies_[b]->momentum);
+    try {
+      bodies_[b]->forces().load(saved.points);
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("bodies/{}/{}", name, error.what()));
+    }
     std::size_t k = 0;
     for_vectors(momenta_[b], [&](Eigen::Vector3d& v) {
       for (Eigen::Index d = 0; d < 3; ++d) v[d] = saved.momenta[k++];
@@ -329,9 +346,25 @@ void Integrator::load(const IntegratorState& state, std::vector<StartStep> limit
     inverted_[b] = saved.inverted;
     eroded_[b] = saved.eroded;
   }
-  for (std::size_t s = 0; s < penalties_.size(); ++s) penalties_[s]->load(state.penalties[s]);
+  load_sources(state.sources);
   now_ = state.progress;
   balance();
+}
+
+void Integrator::load_sources(std::span<const SavedArray> saved) {
+  for (PenaltySource* source : penalties_) {
+    const std::vector<SavedArray> expected = source->save();
+    for (std::size_t k = 0; k < expected.size(); ++k) {
+      if (k == saved.size())
+        throw InputError(fmt::format("{}: is missing, expected {} numbers; {}", expected[k].name,
+                                     expected[k].values.size(), other_run));
+      check_layout(saved[k], expected[k]);
+    }
+    source->load(saved.first(expected.size()));
+    saved = saved.subspan(expected.size());
+  }
+  if (!saved.empty())
+    throw InputError(fmt::format("{}: found, but nothing in this run has it; {}", saved.front().name, other_run));
 }
 
 } // namespace iga::solve

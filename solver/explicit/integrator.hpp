@@ -52,6 +52,7 @@ struct Progress {
 /// Everything that changes in a run, as plain numbers: a run that loads it goes on bit for bit.
 struct IntegratorState {
   struct Body {
+    std::string name;
     std::vector<double> displacement, velocity, momentum;
     PointHistory points;
     std::array<double, 18> momenta{}; ///< MomentumBalance
@@ -59,7 +60,7 @@ struct IntegratorState {
     std::int64_t inverted = 0, eroded = 0;
   };
   std::vector<Body> bodies;
-  std::vector<std::vector<double>> penalties;
+  std::vector<SavedArray> sources; ///< one after the other
   Progress progress;
 };
 
@@ -80,7 +81,7 @@ class Integrator {
   void start();
   void start(std::vector<StartStep> limits);
   /// In the place of start: takes over a saved state; limits as saved by limits().
-  /// @throws InputError where it is not that of these bodies
+  /// @throws InputError where it is not that of these bodies and sources: which array, found, expected
   void load(const IntegratorState& state, std::vector<StartStep> limits);
   IntegratorState save() const;
 
@@ -120,6 +121,7 @@ class Integrator {
   void constrain();
   void kick_body(std::size_t b);
   void balance();
+  void load_sources(std::span<const SavedArray> saved);
   std::string place(std::size_t b, std::int32_t span) const;
 
   struct External { // on one body; empty vectors where nothing acts

@@ -246,6 +246,13 @@ class Reader {
 
 } // namespace
 
+std::vector<std::string> material_keys() {
+  std::vector<std::string> keys{"law", "rho", "bulk_viscosity"};
+  for (const auto& own : {elastic_keys, inversion_keys}) keys.insert(keys.end(), own.begin(), own.end());
+  for (const auto& [law, own] : law_keys) keys.insert(keys.end(), own.begin(), own.end());
+  return keys;
+}
+
 MaterialSettings read_material(io::SettingsTable& table) {
   return Reader(table).read();
 }

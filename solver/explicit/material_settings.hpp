@@ -19,9 +19,11 @@ struct MaterialSettings {
   std::vector<std::string> warnings; ///< to be printed once
 };
 
-/// Reads a table such as [material] or [bodies.material]; solver/explicit/laws/README.md lists its keys. All keys of
-/// all laws are asked for, so that refuse_unknown_keys() on the root names what is misspelt; a key of another law is
-/// refused here.
+/// Keys of all laws, for SettingsTable::expect_only.
+std::vector<std::string> material_keys();
+
+/// Reads a table such as [material] or [bodies.material]; solver/explicit/laws/README.md lists its keys. A key of
+/// another law is refused here, one that no law has by the root table.
 /// @throws InputError "file:line: key: found this, expected that"
 MaterialSettings read_material(io::SettingsTable& table);
 

@@ -1,5 +1,7 @@
 #include "solver/explicit/point_stress.hpp"
 
+#include <fmt/format.h>
+
 namespace iga::solve {
 
 namespace {
@@ -10,10 +12,12 @@ std::vector<double> numbers(const std::vector<Lanes>& from) {
   return to;
 }
 
-void restore(const std::vector<double>& from, std::vector<Lanes>& to) {
+void restore(const char* name, const std::vector<double>& from, std::vector<Lanes>& to) {
   if (from.size() != lanes * to.size())
-    throw InputError("the saved state of the points has another size than the model and its material ask for; restart "
-                     "with the files that the run began with");
+    throw InputError(
+        fmt::format("{}: found {} numbers, expected {}; the state is that of another run; restart with the "
+                    "files that the run began with",
+                    name, from.size(), lanes * to.size()));
   for (std::size_t k = 0; k < to.size(); ++k) std::memcpy(&to[k], from.data() + lanes * k, sizeof(Lanes));
 }
 
@@ -39,9 +43,9 @@ PointHistory PointMemory::save() const {
 }
 
 void PointMemory::load(const PointHistory& saved) {
-  restore(saved.history, history);
-  restore(saved.F_old, F_old);
-  restore(saved.extra, extra);
+  restore("history", saved.history, history);
+  restore("deformation", saved.F_old, F_old);
+  restore("erosion", saved.extra, extra);
 }
 
 void PointExtremes::add(const PointExtremes& other) {

@@ -55,12 +55,13 @@ BodyRun read_body(io::SettingsTable& table, const Point3& gravity, ExplicitRun& 
   body.place = read_placement(table.table("place"));
   if (!std::filesystem::exists(body.model))
     refuse(table, "model", fmt::format("there is no file {}", body.model.string()));
-  run.inputs.push_back(body.model);
+  run.inputs.push_back({body.model, table.where("model")});
   BodySettings& s = body.body;
   s.name = read_name(table, "name", body.model.stem().string());
   io::SettingsTable material = table.table("material");
   body.material = read_material(material);
-  if (material.holds_text("yield_curve")) run.inputs.push_back(*material.path("yield_curve"));
+  if (material.holds_text("yield_curve"))
+    run.inputs.push_back({*material.path("yield_curve"), material.where("yield_curve")});
   for (const std::string& warning : body.material.warnings)
     run.warnings.push_back(fmt::format("body '{}': {}", s.name, warning));
   s.kernel.erode_inverted = body.material.inversion.action == InvertedPoints::Erode;

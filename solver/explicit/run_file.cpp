@@ -75,8 +75,10 @@ void read_stops(io::SettingsTable& root, ExplicitRun& run) {
 
 ExplicitRun read_explicit_run(const std::filesystem::path& file) {
   io::SettingsTable root = io::SettingsTable::read(file);
+  root.expect_only(run_file_keys());
   ExplicitRun run;
   run.file = file;
+  run.settings = root.entries();
   run.units = root.text("units");
   const Point3 gravity = read_vector(root, "gravity").value_or(Point3{});
   read_bodies(root, gravity, run);
@@ -89,7 +91,6 @@ ExplicitRun read_explicit_run(const std::filesystem::path& file) {
   read_time(root, run);
   read_output(root, run);
   read_stops(root, run);
-  root.refuse_unknown_keys();
   return run;
 }
 

@@ -1,6 +1,7 @@
 // The run file of `igasolve explicit`, read and checked: everything that can be said without opening a model.
 #pragma once
 
+#include "format/io/settings_reader.hpp"
 #include "solver/explicit/contact/contact_settings.hpp"
 #include "solver/explicit/contact/rigid_body.hpp"
 #include "solver/explicit/explicit_body.hpp"
@@ -70,10 +71,17 @@ struct OutputRun {
   bool viewer = true;          ///< files for ParaView
 };
 
+/// A file that the run depends on.
+struct RunInput {
+  std::filesystem::path file;
+  std::string where; ///< "run.toml:4: 'model' in [bodies]"
+};
+
 struct ExplicitRun {
   std::filesystem::path file;
-  std::filesystem::path output;     ///< as the run file says; may be empty
-  std::optional<std::string> units; ///< label that must match the models' length_unit
+  std::vector<io::SettingsEntry> settings; ///< the run file's values as written
+  std::filesystem::path output;            ///< as the run file says; may be empty
+  std::optional<std::string> units;        ///< label that must match the models' length_unit
   std::vector<BodyRun> bodies;
   std::vector<RigidRun> rigid;
   std::vector<ContactRun> contacts;
@@ -86,7 +94,7 @@ struct ExplicitRun {
   double smallest_dt = 0;       ///< a step below it is refused; 0: 1e-4 of the first one
   double energy_warning = 0.01; ///< relative error of the energy balance that is warned of
   OutputRun out;
-  std::vector<std::filesystem::path> inputs; ///< models, tools, curves: what the run depends on beside the run file
+  std::vector<RunInput> inputs; ///< models, tools, curves: what the run depends on beside the run file
   std::vector<std::string> warnings;
 };
 

@@ -126,9 +126,11 @@ void RunOutputs::write_viewer(const std::vector<BodyFields>& fields, std::size_t
 
 void RunOutputs::write_index() const {
   std::vector<io::ViewerEntry> entries;
-  for (std::size_t step = 0; step < num_fields(); ++step)
+  for (std::size_t step = 0; step < num_fields(); ++step) {
+    if (!std::filesystem::exists(folder_ / viewer_file(step, 0))) continue; // before a restart that turned them on
     for (std::size_t part = 0; part < samplers_.size() + rigid_.size(); ++part)
       entries.push_back({results_.fields->times[step], static_cast<int>(part), viewer_file(step, part)});
+  }
   io::write_viewer_index(io::viewer_index(path_), entries);
 }
 

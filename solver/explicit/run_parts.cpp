@@ -68,11 +68,11 @@ std::string read_name(io::SettingsTable& table, const char* key, const std::stri
 }
 
 std::optional<TimeCurve> read_curve(io::SettingsTable& table, const char* key, bool smooth,
-                                    std::vector<std::filesystem::path>& files) {
+                                    std::vector<RunInput>& files) {
   const auto between = smooth ? TimeCurve::Between::Smooth : TimeCurve::Between::Linear;
   if (table.holds_text(key)) {
     const auto file = *table.path(key);
-    files.push_back(file);
+    files.push_back({file, table.where(key)});
     try {
       const Curve curve = Curve::read_csv(file);
       return TimeCurve(curve.x(), curve.y(), between, file.string());
@@ -91,7 +91,7 @@ std::optional<TimeCurve> read_curve(io::SettingsTable& table, const char* key, b
   return TimeCurve(std::move(times), std::move(values), between, table.where(key));
 }
 
-DriveCurves read_drive(io::SettingsTable& table, bool may_turn, std::vector<std::filesystem::path>& files) {
+DriveCurves read_drive(io::SettingsTable& table, bool may_turn, std::vector<RunInput>& files) {
   io::SettingsTable drive = table.table("drive");
   const std::array<std::string, 2> kinds{"displacement", "velocity"};
   DriveCurves curves;

@@ -30,7 +30,7 @@ std::string read_name(io::SettingsTable& table, const char* key, const std::stri
 /// A number over time: a number (constant), [[time, value], …] or the name of a CSV file with two columns.
 /// @param files  gets the CSV file
 std::optional<TimeCurve> read_curve(io::SettingsTable& table, const char* key, bool smooth,
-                                    std::vector<std::filesystem::path>& files);
+                                    std::vector<RunInput>& files);
 /// [….drive] of rigid bodies and supports: curves x, y, z (and rotation), kind, smooth.
 struct DriveCurves {
   std::array<std::optional<TimeCurve>, 3> along;
@@ -39,7 +39,10 @@ struct DriveCurves {
   bool are_velocities = false;
   bool given() const { return along[0] || along[1] || along[2] || rotation; }
 };
-DriveCurves read_drive(io::SettingsTable& table, bool may_turn, std::vector<std::filesystem::path>& files);
+DriveCurves read_drive(io::SettingsTable& table, bool may_turn, std::vector<RunInput>& files);
+
+/// For SettingsTable::expect_only.
+std::vector<io::TableKeys> run_file_keys();
 
 /// @param gravity  of the run, length/time²
 void read_bodies(io::SettingsTable& root, const Point3& gravity, ExplicitRun& run);

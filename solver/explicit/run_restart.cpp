@@ -2,17 +2,20 @@
 
 #include "format/io/dataset_names.hpp"
 #include "format/io/h5_arrays.hpp"
+#include "format/io/sha256.hpp"
 #include "format/model/errors.hpp"
 
 #include <fmt/format.h>
+#include <map>
+#include <set>
 
 namespace iga::solve {
 
 namespace {
 
 constexpr const char* format = "iga-trimmed-solid-restart";
-constexpr const char* format_version = "2.0";
-constexpr int format_major = 2;
+constexpr const char* format_version = "3.0";
+constexpr int format_major = 3;
 
 // Calls visit(number) for each scalar of the state, always in the same order.
 template <class State, class Visit> void for_each_number(State& s, Visit&& visit) {
@@ -83,11 +86,63 @@ class Take {
   std::size_t next_ = 0;
 };
 
-std::string body_group(std::size_t b) {
-  return fmt::format("/bodies/{}", b);
+// The groups that a path goes through, but for those that are there.
+void make_groups(io::H5Writer& file, const std::string& path, std::set<std::string>& made) {
+  for (std::size_t end = path.find('/', 1); end != std::string::npos; end = path.find('/', end + 1))
+    if (made.insert(path.substr(0, end)).second) file.group(path.substr(0, end).c_str(), "state of a part of the run");
+}
+
+void write_texts(io::H5Writer& file, const char* path, const char* description, const std::vector<std::string>& texts) {
+  file.strings({path, "1", "index of the list", description}, texts);
+}
+
+// Two lists of the same length.
+std::pair<std::vector<std::string>, std::vector<std::string>> read_lists(const io::H5Reader& file, const char* first,
+                                                                         const char* second) {
+  auto a = file.strings(first), b = file.strings(second);
+  if (a.size() != b.size()) file.refuse(second, fmt::format("found {} texts, expected {}", b.size(), a.size()));
+  return {std::move(a), std::move(b)};
+}
+
+// May this value differ between a run and its restart?
+bool may_change(const std::string& path) {
+  if (path == "output.subdivide") return false; // the fields before have that mesh
+  return path.starts_with("time.") || path.starts_with("output.") || path.starts_with("energy.") ||
+         path.starts_with("stop[");
+}
+
+struct Change {
+  std::string path, before, now;
+  unsigned line = 0; ///< 0: not there any more
+};
+
+std::vector<Change> changes(const std::vector<RestartState::Setting>& before, const ExplicitRun& run) {
+  std::map<std::string, Change> all;
+  for (const auto& [path, value] : before) all[path] = {path, value, "nothing", 0};
+  const auto settings = settings_to_keep(run);
+  for (std::size_t i = 0; i < settings.size(); ++i) {
+    Change& change = all.try_emplace(settings[i].path, Change{settings[i].path, "nothing", {}, 0}).first->second;
+    change.now = settings[i].value;
+    change.line = run.settings[i].line;
+  }
+  std::vector<Change> found;
+  for (auto& [path, change] : all)
+    if (change.before != change.now) found.push_back(std::move(change));
+  return found;
 }
 
 } // namespace
+
+std::vector<RestartState::Setting> settings_to_keep(const ExplicitRun& run) {
+  constexpr std::size_t most = 100; // letters that a message can show
+  std::vector<RestartState::Setting> kept;
+  for (const io::SettingsEntry& entry : run.settings)
+    kept.push_back({entry.path, entry.value.size() <= most
+                                    ? entry.value
+                                    : fmt::format("a value of {} letters (SHA-256 {})", entry.value.size(),
+                                                  io::sha256_text(entry.value))});
+  return kept;
+}
 
 std::filesystem::path restart_path(const std::filesystem::path& results) {
   return results.parent_path() / (results.stem().string() + "_restart.h5");
@@ -99,39 +154,48 @@ void write_restart(const std::filesystem::path& path, const RestartState& r) {
   file.attribute(root, "format", std::string(format));
   file.attribute(root, "format_version", std::string(format_version));
   file.attribute(root, "program_version", r.version);
-  std::vector<std::string> names, sums;
+  std::vector<std::string> names, sums, paths, values, bodies, sources;
   for (const InputFile& input : r.inputs) {
     names.push_back(input.name);
     sums.push_back(input.sha256);
   }
-  file.attribute(root, "input_names", names);
-  file.attribute(root, "input_sha256", sums);
-  for (const auto& [name, value] :
-       {std::pair("rows", r.rows), std::pair("fields", r.fields), std::pair("next_row", r.next_row),
-        std::pair("next_field", r.next_field), std::pair("next_restart", r.next_restart),
-        std::pair("bodies", static_cast<std::int64_t>(r.state.bodies.size())),
-        std::pair("penalties", static_cast<std::int64_t>(r.state.penalties.size()))})
-    file.attribute(root, name, value);
+  for (const auto& [key, value] : r.settings) {
+    paths.push_back(key);
+    values.push_back(value);
+  }
+  for (const auto& body : r.state.bodies) bodies.push_back(body.name);
+  for (const SavedArray& array : r.state.sources) sources.push_back(array.name);
+  write_texts(file, "/input_names", "files that the run depends on, the run file first", names);
+  write_texts(file, "/input_sha256", "of their contents", sums);
+  write_texts(file, "/setting_paths", "keys of the run file", paths);
+  write_texts(file, "/setting_values", "their values", values);
+  write_texts(file, "/body_names", "bodies in the order of the run", bodies);
+  write_texts(file, "/source_names", "datasets of contacts, rigid bodies and supports, in the order of the run",
+              sources);
+  file.attribute(root, "rows", r.rows);
+  file.attribute(root, "fields", r.fields);
   std::vector<double> numbers;
   const auto keep = [&numbers](const auto& x) { numbers.push_back(static_cast<double>(x)); };
   for_each_number(r.state, keep);
   write_numbers(file, "/numbers", numbers);
   write_numbers(file, "/sums", r.sums);
-  file.group("/bodies", "state of each body");
+  std::set<std::string> groups;
   for (std::size_t b = 0; b < r.state.bodies.size(); ++b) {
-    const std::string group = body_group(b);
-    file.group(group.c_str(), "state of one body");
+    const std::string group = "/bodies/" + bodies[b] + "/";
+    make_groups(file, group, groups);
     numbers.clear();
     for_each_limit_number(r.limits[b], keep);
     for_each_body_number(r.state.bodies[b], keep);
-    write_numbers(file, group + "/numbers", numbers);
-    for_each_array(r.state.bodies[b], [&](const char* name, const std::vector<double>& values) {
-      write_numbers(file, fmt::format("{}/{}", group, name), values);
+    write_numbers(file, group + "numbers", numbers);
+    for_each_array(r.state.bodies[b], [&](const char* name, const std::vector<double>& array) {
+      write_numbers(file, group + name, array);
     });
   }
-  file.group("/penalties", "state of contacts and supports");
-  for (std::size_t p = 0; p < r.state.penalties.size(); ++p)
-    write_numbers(file, fmt::format("/penalties/{}", p), r.state.penalties[p]);
+  for (const SavedArray& array : r.state.sources) {
+    const std::string dataset = "/" + array.name;
+    make_groups(file, dataset, groups);
+    write_numbers(file, dataset, array.values);
+  }
   file.commit();
 }
 
@@ -141,9 +205,10 @@ RestartState read_restart(const std::filesystem::path& path) {
   const char* root = io::names::root;
   RestartState r;
   r.version = file.text(root, "program_version");
-  const auto names = file.texts(root, "input_names"), sums = file.texts(root, "input_sha256");
-  if (names.size() != sums.size()) file.refuse("/ attribute input_sha256", "has another length than input_names");
+  const auto [names, sums] = read_lists(file, "/input_names", "/input_sha256");
   for (std::size_t i = 0; i < names.size(); ++i) r.inputs.push_back({names[i], sums[i]});
+  const auto [paths, values] = read_lists(file, "/setting_paths", "/setting_values");
+  for (std::size_t i = 0; i < paths.size(); ++i) r.settings.push_back({paths[i], values[i]});
   const auto count = [&](const char* name) {
     const auto n = file.number<std::int64_t>(root, name);
     if (n < 0) file.refuse(fmt::format("/ attribute {}", name), fmt::format("is {}, expected 0 or more", n));
@@ -151,56 +216,58 @@ RestartState read_restart(const std::filesystem::path& path) {
   };
   r.rows = count("rows");
   r.fields = count("fields");
-  r.next_row = count("next_row");
-  r.next_field = count("next_field");
-  r.next_restart = count("next_restart");
   Take take(file, "/numbers");
   for_each_number(r.state, take);
   take.expect_end();
   r.sums = read_numbers(file, "/sums");
-  const auto num_bodies = static_cast<std::size_t>(count("bodies"));
-  for (std::size_t b = 0; b < num_bodies; ++b) {
-    const std::string group = body_group(b);
+  for (const std::string& name : file.strings("/body_names")) {
+    const std::string group = "/bodies/" + name + "/";
     r.limits.emplace_back();
     r.state.bodies.emplace_back();
-    Take own(file, group + "/numbers");
+    r.state.bodies.back().name = name;
+    Take own(file, group + "numbers");
     for_each_limit_number(r.limits.back(), own);
     for_each_body_number(r.state.bodies.back(), own);
     own.expect_end();
-    for_each_array(r.state.bodies.back(), [&](const char* name, std::vector<double>& values) {
-      values = read_numbers(file, fmt::format("{}/{}", group, name));
-    });
+    for_each_array(r.state.bodies.back(),
+                   [&](const char* array, std::vector<double>& to) { to = read_numbers(file, group + array); });
   }
-  const auto num_penalties = static_cast<std::size_t>(count("penalties"));
-  for (std::size_t p = 0; p < num_penalties; ++p)
-    r.state.penalties.push_back(read_numbers(file, fmt::format("/penalties/{}", p)));
+  for (const std::string& name : file.strings("/source_names"))
+    r.state.sources.push_back({name, read_numbers(file, "/" + name), 0});
   return r;
 }
 
-std::vector<std::string> check_restart(const RestartState& restart, const std::vector<InputFile>& inputs,
-                                       const std::filesystem::path& path, const std::string& version) {
+std::vector<std::string> check_restart(const RestartState& restart, const ExplicitRun& run,
+                                       const std::vector<InputFile>& inputs, const std::filesystem::path& path,
+                                       const std::string& version) {
   if (restart.version != version)
     throw InputError(
         fmt::format("{}: was written by igasolve {}, this is {}; go on with the program that began the run, "
                     "or start anew without --restart",
                     path.string(), restart.version, version));
+  std::string told;
+  for (const Change& change : changes(restart.settings, run)) {
+    const std::string what = fmt::format("{}: {} when the run began, {} now", change.path, change.before, change.now);
+    if (!may_change(change.path))
+      throw InputError(fmt::format(
+          "{}{}: {}; a restart may change [time], [energy], [[stop]] and [output] without subdivide, nothing else: put "
+          "it back, or start anew without --restart",
+          run.file.string(), change.line > 0 ? fmt::format(":{}", change.line) : "", what));
+    told += (told.empty() ? "" : "; ") + what;
+  }
   if (inputs.size() != restart.inputs.size())
     throw InputError(
-        fmt::format("{}: the run began with {} files, the run file names {} now; restart with the run file "
-                    "that it began with",
+        fmt::format("{}: /input_names: found {} files, expected {}; the restart file belongs to another run",
                     path.string(), restart.inputs.size(), inputs.size()));
-  std::vector<std::string> warnings;
-  for (std::size_t i = 0; i < inputs.size(); ++i) {
-    if (inputs[i].sha256 == restart.inputs[i].sha256) continue;
-    if (i > 0)
-      throw InputError(
-          fmt::format("{}: changed since the run began (SHA-256 {}…, now {}…); put back the file that it began "
-                      "with, or start anew without --restart",
-                      inputs[i].name, restart.inputs[i].sha256.substr(0, 12), inputs[i].sha256.substr(0, 12)));
-    warnings.push_back(fmt::format("{} changed since the run began; the run goes on with the settings as they are now",
-                                   inputs[i].name));
-  }
-  return warnings;
+  for (std::size_t i = 1; i < inputs.size(); ++i) // the run file's values were compared above
+    if (inputs[i].sha256 != restart.inputs[i].sha256)
+      throw InputError(fmt::format(
+          "{}: {} changed since the run began (SHA-256 {}…, now {}…); put back the file that it began with, "
+          "or start anew without --restart",
+          run.inputs[i - 1].where, inputs[i].name, restart.inputs[i].sha256.substr(0, 12),
+          inputs[i].sha256.substr(0, 12)));
+  if (told.empty()) return {};
+  return {fmt::format("{}: the run goes on with settings as they are now: {}", run.file.string(), told)};
 }
 
 } // namespace iga::solve

@@ -128,7 +128,7 @@ RigidRun read_rigid(io::SettingsTable& table, const Point3& gravity, ExplicitRun
   RigidRun rigid;
   rigid.where = place_of(table, "shape");
   const ReadShape read = read_shape(table, rigid);
-  if (!rigid.file.empty()) run.inputs.push_back(rigid.file);
+  if (!rigid.file.empty()) run.inputs.push_back({rigid.file, table.where("file")});
   rigid.body.name = read_name(table, "name", fmt::format("rigid {}", run.rigid.size() + 1));
   rigid.body.shape = read.shape;
   rigid.body.centre = read.centre;
@@ -136,7 +136,6 @@ RigidRun read_rigid(io::SettingsTable& table, const Point3& gravity, ExplicitRun
   const std::array<std::string, 3> motions{"fixed", "driven", "free"};
   const std::size_t motion =
       choose(table, "motion", table.text("motion").value_or(motions[drive.given() ? 1 : 0]), motions);
-  for (const char* key : {"mass", "inertia", "velocity", "spin", "guided", "rotates"}) table.expect(key);
   if (motion != 2)
     refuse_keys(table, motions[motion].c_str(),
                 {"mass", "inertia", "velocity", "spin", "guided", "rotates", "density"});

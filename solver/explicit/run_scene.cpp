@@ -4,11 +4,14 @@
 #include "format/io/settings_reader.hpp"
 #include "format/io/trimmed_model_io.hpp"
 #include "format/model/errors.hpp"
+#include "format/model/vec3.hpp"
 #include "solver/explicit/contact/contact_surface.hpp"
+#include "solver/explicit/rotational_inertia.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <limits>
 
 namespace iga::solve {
 
@@ -25,18 +28,6 @@ template <class Make> auto at(const std::string& where, Make make) {
 
 double density_of(const BodyRun& body) {
   return std::visit([](const auto& law) { return static_cast<double>(law.density); }, body.material.law);
-}
-
-Point3 centre_of_mass(const TrimmedModel& model) {
-  double volume = 0;
-  Point3 sum{};
-  for (std::size_t q = 0; q < model.points.weights.size(); ++q) {
-    const double* u = &model.points.parameters[3 * q];
-    const Point3 x = model.grid.to_position({u[0], u[1], u[2]});
-    volume += model.points.weights[q];
-    for (std::size_t d = 0; d < 3; ++d) sum[d] += model.points.weights[q] * x[d];
-  }
-  return {sum[0] / volume, sum[1] / volume, sum[2] / volume};
 }
 
 void check_regions(const std::string& where, const ContactSide& side, const std::vector<ContactSurface>& surfaces) {
@@ -62,6 +53,17 @@ ExplicitScene::ExplicitScene(const ExplicitRun& run) : run_(run), warnings_(run.
   add_bodies();
   add_loads();
   add_contact();
+  warn_of_inertia();
+}
+
+// Of bodies that turn, or that nothing keeps from turning.
+void ExplicitScene::warn_of_inertia() {
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const bool is_held = std::any_of(run_.supports.begin(), run_.supports.end(),
+                                     [b](const SupportRun& support) { return support.body == b; });
+    if (is_held && run_.bodies[b].spin == Point3{}) continue;
+    if (const auto warning = inertia_warning(*bodies_[b], run_.bodies[b].spin)) warnings_.push_back(*warning);
+  }
 }
 
 void ExplicitScene::add_bodies() {
@@ -105,6 +107,7 @@ void ExplicitScene::add_contact() {
   std::vector<ContactSurface> surfaces;
   for (std::size_t b = 0; b < bodies_.size(); ++b)
     surfaces.push_back(at(run_.bodies[b].where, [&] {
+      io::stop_if_interrupted();
       ContactSurface surface = make_contact_surface(bodies_[b]->space(), run_.bodies[b].body.name,
                                                     density_of(run_.bodies[b]), run_.bodies[b].edge_length);
       surface.wave_speed = bodies_[b]->forces().reference_wave_speed();
@@ -118,15 +121,71 @@ void ExplicitScene::add_contact() {
     check_regions(contact.pair.where, contact.pair.second, surfaces);
     pairs.push_back(contact.pair);
   }
+  io::stop_if_interrupted();
   contact_ = at(run_.file.string(), [&] {
     return std::make_unique<ContactModel>(std::move(surfaces), std::move(rigid), std::move(pairs), run_.contact);
   });
+}
+
+void ExplicitScene::check_start() {
+  if (!contact_) return;
+  io::stop_if_interrupted();
+  std::vector<BodyState> states(bodies_.size());
+  for (std::size_t b = 0; b < bodies_.size(); ++b) states[b].displacement = &bodies_[b]->displacement;
+  contact_->refuse_deep_overlaps(states);
 }
 
 void ExplicitScene::find_limits() {
   for (const auto& body : bodies_) {
     io::stop_if_interrupted();
     limits_.push_back(body->start_step());
+  }
+  check_speeds();
+}
+
+ExplicitScene::MovingBox ExplicitScene::side_at_start(const ContactSide& side) const {
+  if (side.kind == ContactSide::Kind::Deformable) {
+    const ExplicitBody& body = *bodies_[side.number];
+    Eigen::Vector3d momentum = Eigen::Vector3d::Zero();
+    for (Eigen::Index n = 0; n < body.space().num_nodes(); ++n) momentum += body.momentum.segment<3>(3 * n);
+    return {bounding_box(body.space().model().surface.mesh), momentum / body.mass().total()};
+  }
+  const RigidBody& body = run_.rigid[side.number].body;
+  const double r = bounding_radius(body.shape);
+  const auto* free = std::get_if<FreeMotion>(&body.motion);
+  return {{minus(body.centre, {r, r, r}), plus(body.centre, {r, r, r})},
+          free ? Eigen::Vector3d(free->velocity.data()) : Eigen::Vector3d::Zero().eval()};
+}
+
+// Sides that would meet, and pass more than half a span in a step, could miss each other: contact refuses to go on
+// then.
+void ExplicitScene::check_speeds() const {
+  double dt = run_.time.largest_dt > 0 ? run_.time.largest_dt : std::numeric_limits<double>::infinity();
+  for (const StartStep& limit : limits_) dt = std::min(dt, run_.time.safety * limit.dt);
+  if (contact_) dt = std::min(dt, contact_->largest_step());
+  for (const ContactRun& contact : run_.contacts) {
+    const ContactPair& pair = contact.pair;
+    const MovingBox first = side_at_start(pair.first), second = side_at_start(pair.second);
+    const Eigen::Vector3d velocity = first.velocity - second.velocity;
+    const Point3 h = bodies_[pair.first.number]->space().model().grid.span_size();
+    const double span = std::min({h[0], h[1], h[2]}), way = velocity.norm() * dt;
+    if (way <= ContactModel::longest_step * span) continue;
+    if (pair.second.kind == ContactSide::Kind::Rigid)
+      if (const auto* plane = std::get_if<PlaneShape>(&run_.rigid[pair.second.number].body.shape))
+        if (velocity.dot(Eigen::Vector3d(plane->normal.data())) >= 0) continue; // leaves it
+    Box3 swept = first.box;                                                     // as the second side sees it
+    const Eigen::Vector3d path = velocity * run_.time.end_time;
+    for (std::size_t d = 0; d < 3; ++d) {
+      const double along = path[static_cast<Eigen::Index>(d)];
+      (along < 0 ? swept.lower : swept.upper)[d] += along;
+    }
+    if (!overlap(swept, second.box)) continue;
+    throw InputError(
+        fmt::format("{}: contact '{}': the sides move against each other at {:.4g}, which is {:.3g} spans in "
+                    "a step of {:.4g}; more than {:g} could pass each other: choose a dt_max below {:.3g}, or "
+                    "check the velocities",
+                    pair.where, pair.name, velocity.norm(), way / span, dt, ContactModel::longest_step,
+                    ContactModel::longest_step * span / velocity.norm()));
   }
 }
 

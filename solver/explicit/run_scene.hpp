@@ -14,7 +14,11 @@ class ExplicitScene {
   /// @throws InputError with file and line of the run file for empty regions, labels that do not match, …
   explicit ExplicitScene(const ExplicitRun& run);
 
-  /// Limits of the bodies at rest, by Lanczos. @throws InputError for a first step below dt_min
+  /// What a new run can be refused for before its first step is known. @throws InputError for bodies that overlap
+  /// deeply
+  void check_start();
+  /// Limits of the bodies at rest, by Lanczos. @throws InputError for a first step below dt_min, and for sides of a
+  /// contact that approach so fast that they would pass each other in a step
   void find_limits();
   const std::vector<StartStep>& limits() const { return limits_; }
   /// The first forces; bodies that overlap deeply are refused here. @throws InputError, NumericalError
@@ -36,6 +40,13 @@ class ExplicitScene {
   void add_bodies();
   void add_loads();
   void add_contact();
+  struct MovingBox { ///< where a side is at the start, and its velocity as a whole
+    Box3 box;
+    Eigen::Vector3d velocity;
+  };
+  MovingBox side_at_start(const ContactSide& side) const;
+  void check_speeds() const;
+  void warn_of_inertia();
   void make_integrator();
 
   const ExplicitRun& run_;

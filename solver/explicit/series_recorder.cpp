@@ -156,7 +156,11 @@ void SeriesRecorder::resume(TimeSeries rows, std::size_t count, const std::vecto
     for_each_series(t, [&](const SeriesColumn& column, const std::vector<double>&) { paths.push_back(column.path); });
     return paths;
   };
-  if (shape(rows) != shape(series_) || sums.size() != impulses_.size())
+  if (sums.size() != impulses_.size())
+    throw InputError(fmt::format("sums: found {} numbers in the restart file, expected {}; restart with the files that "
+                                 "the run began with",
+                                 sums.size(), impulses_.size()));
+  if (shape(rows) != shape(series_))
     throw InputError(
         "the results file to go on with has other time series than this run; restart with the run file that "
         "it began with");

@@ -4,6 +4,7 @@
 #include "format/model/types.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
@@ -61,6 +62,41 @@ class Bvh {
       ++node;
     }
   }
+  /// visit(item) for all items whose box the segment from `from` to `to` meets: far fewer than those of the box around
+  /// an oblique segment.
+  template <class Visit> void each_on_segment(const Point3& from, const Point3& to, Visit&& visit) const {
+    std::size_t node = 0;
+    while (node < nodes_.size()) {
+      const Node& n = nodes_[node];
+      if (!meets(n.box, from, to)) {
+        node = n.skip;
+        continue;
+      }
+      for (std::size_t i = n.first; i < n.last; ++i)
+        if (meets(boxes_[i], from, to)) visit(items_[i]);
+      ++node;
+    }
+  }
+  /// Least of distance2(item), the squared distance of `x` to an item, over all items; infinite where there are none.
+  template <class Distance2> double least_distance2(const Point3& x, Distance2&& distance2) const {
+    double least = std::numeric_limits<double>::infinity();
+    std::vector<std::size_t> open;
+    if (!nodes_.empty()) open.push_back(0);
+    while (!open.empty()) {
+      const std::size_t node = open.back();
+      const Node& n = nodes_[node];
+      open.pop_back();
+      if (distance2_to(n.box, x) > least) continue;
+      for (std::size_t i = n.first; i < n.last; ++i)
+        if (distance2_to(boxes_[i], x) <= least) least = std::min(least, distance2(items_[i]));
+      if (n.second == 0) continue;
+      // The nearer child is looked at first: it is on top.
+      const bool first_is_nearer = distance2_to(nodes_[node + 1].box, x) <= distance2_to(nodes_[n.second].box, x);
+      open.push_back(first_is_nearer ? n.second : node + 1);
+      open.push_back(first_is_nearer ? node + 1 : n.second);
+    }
+    return least;
+  }
   /// visit(a, b) for every item a of this tree and b of the other one whose boxes come within `reach` of each other,
   /// once. Leaves out parts where pass_over(directions of one part, of the other one) holds.
   template <class PassOver, class Visit>
@@ -95,6 +131,30 @@ class Bvh {
     for (std::size_t d = 0; d < 3; ++d)
       if (a.lower[d] > b.upper[d] + reach || b.lower[d] > a.upper[d] + reach) return false;
     return true;
+  }
+  /// Slabs, with room for rounding: a box that is barely missed counts as met.
+  static bool meets(const Box3& box, const Point3& from, const Point3& to) {
+    constexpr double room = 1e-9; // of the segment
+    double enter = 0, leave = 1;
+    for (std::size_t d = 0; d < 3; ++d) {
+      const double way = to[d] - from[d];
+      if (way == 0) {
+        if (from[d] < box.lower[d] || from[d] > box.upper[d]) return false;
+        continue;
+      }
+      const double a = (box.lower[d] - from[d]) / way, b = (box.upper[d] - from[d]) / way;
+      enter = std::max(enter, std::min(a, b));
+      leave = std::min(leave, std::max(a, b));
+    }
+    return enter <= leave + room;
+  }
+  static double distance2_to(const Box3& box, const Point3& x) {
+    double sum = 0;
+    for (std::size_t d = 0; d < 3; ++d) {
+      const double gap = std::max({0.0, box.lower[d] - x[d], x[d] - box.upper[d]});
+      sum += gap * gap;
+    }
+    return sum;
   }
   static double size(const Box3& box) {
     return box.upper[0] - box.lower[0] + box.upper[1] - box.lower[1] + box.upper[2] - box.lower[2];

@@ -111,11 +111,8 @@ void look_through(ContactMesh& m, double reach) {
     const Triangle& t = m.triangles[f];
     Point3 middle{};
     for (const std::int32_t v : t) middle = plus(middle, times(m.vertices[at(v)], 1.0 / 3));
-    const Point3 inward = times(m.face_normal[f], -1), end = plus(middle, times(inward, reach));
-    Box3 ray;
-    for (std::size_t d = 0; d < 3; ++d)
-      ray.lower[d] = std::min(middle[d], end[d]), ray.upper[d] = std::max(middle[d], end[d]);
-    tree.each_overlap(ray, [&](std::int32_t g) {
+    const Point3 inward = times(m.face_normal[f], -1);
+    tree.each_on_segment(middle, plus(middle, times(inward, reach)), [&](std::int32_t g) {
       if (at(g) == f || dot(m.face_normal[at(g)], inward) <= 0) return;
       const Triangle& o = m.triangles[at(g)];
       m.thickness[f] = std::min(

@@ -21,8 +21,8 @@ constexpr double entry_rounding = 1e-6;
 // What begins to touch when the step has become shorter gets stiffer springs: those of a step longer than the present
 // one by this, so that a step that breathes leaves them as they are.
 constexpr double breath = 1.1;
-// Sides that come closer by more than this in one step (in spans) could miss each other.
-constexpr double longest_step = 0.5;
+
+constexpr std::size_t numbers_of_touch = 9; // that a restart keeps
 
 constexpr std::uint64_t pair_key(std::size_t pair, std::uint64_t key) {
   return static_cast<std::uint64_t>(pair) << 56 | key;
@@ -39,8 +39,9 @@ ContactModel::ContactModel(std::vector<ContactSurface> surfaces, std::vector<Rig
       const auto is_it = [&](const ContactSide& s) { return s.kind == ContactSide::Kind::Deformable && s.number == b; };
       return is_it(pair.first) || is_it(pair.second);
     };
+    largest_steps_.push_back(std::numeric_limits<double>::infinity());
     if (surfaces[b].wave_speed > 0 && std::any_of(pairs.begin(), pairs.end(), touches))
-      largest_step_ = std::min(largest_step_, options.step * surfaces[b].span_size / surfaces[b].wave_speed);
+      largest_steps_.back() = options.step * surfaces[b].span_size / surfaces[b].wave_speed;
     force_.emplace_back(Eigen::VectorXd::Zero(3 * surfaces[b].S.cols()));
     surfaces_.emplace_back(std::move(surfaces[b]), b);
   }
@@ -71,14 +72,7 @@ PenaltyEnergy ContactModel::add_forces(const StepTimes& times, std::span<const B
   for (RigidState& body : rigid_) body.clear_force();
   report_.energy = {};
   report_.least_scale = 1;
-  if (!started_)
-    for (const StartOverlap& overlap : start_overlaps(bodies))
-      if (overlap.is_deep())
-        throw InputError(
-            fmt::format("{}{}contact '{}': the bodies overlap by {:.4g} at the start near ({:.6g}, {:.6g}, "
-                        "{:.6g}), more than half a span ({:.4g}); move them apart",
-                        overlap.where, overlap.where.empty() ? "" : ": ", overlap.pair, overlap.depth, overlap.place[0],
-                        overlap.place[1], overlap.place[2], overlap.span_size));
+  if (!started_ && !overlaps_are_checked_) refuse_deep_overlaps(bodies);
   look_where_stale(bodies);
   move(bodies);
   find(bodies, times);
@@ -89,6 +83,12 @@ PenaltyEnergy ContactModel::add_forces(const StepTimes& times, std::span<const B
   hand_back(bodies, times);
   started_ = true;
   return report_.energy;
+}
+
+double ContactModel::largest_step() const {
+  double least = std::numeric_limits<double>::infinity();
+  for (const double step : largest_steps_) least = std::min(least, step);
+  return least;
 }
 
 void ContactModel::advance(const StepTimes& times) {
@@ -228,48 +228,50 @@ void ContactModel::find(std::span<const BodyState> bodies, const StepTimes& time
   memory_ = std::move(next);
 }
 
-std::vector<double> ContactModel::save() const {
-  std::vector<double> values{started_ ? 1.0 : 0.0, reference_dt_};
-  for (const RigidState& body : rigid_) {
-    const auto state = body.save();
-    values.insert(values.end(), state.begin(), state.end());
+std::vector<SavedArray> ContactModel::save() const {
+  std::vector<SavedArray> arrays{{"contact/numbers", {started_ ? 1.0 : 0.0, reference_dt_}, 0}};
+  for (const RigidState& body : rigid_) arrays.push_back({"rigid_bodies/" + body.body().name, body.save(), 0});
+  for (std::size_t s = 0; s < surfaces_.size(); ++s) {
+    if (surfaces_[s].is_rigid()) continue;
+    std::vector<double> density(surfaces_[s].mesh().vertices.size(), 0);
+    if (!density_.empty()) density = density_[s];
+    arrays.push_back({"contact/density/" + surfaces_[s].name(), std::move(density), 0});
+    const Eigen::VectorXd& f = last_force_[surfaces_[s].owner()];
+    arrays.push_back({"contact/last_force/" + surfaces_[s].name(), {f.data(), f.data() + f.size()}, 0});
   }
-  for (const auto& density : density_) values.insert(values.end(), density.begin(), density.end());
-  for (const auto& f : last_force_) values.insert(values.end(), f.data(), f.data() + f.size());
+  std::vector<double> touches;
   for (const Memory& m : memory_) {
     // A key has fewer than 64 bits but more than the 53 of a double: in two halves.
-    values.push_back(static_cast<double>(m.key >> 32));
-    values.push_back(static_cast<double>(m.key & 0xffffffffu));
-    values.insert(values.end(), m.traction.begin(), m.traction.end());
-    values.insert(values.end(), {m.baseline, m.depth, m.sliding, m.factor});
+    touches.push_back(static_cast<double>(m.key >> 32));
+    touches.push_back(static_cast<double>(m.key & 0xffffffffu));
+    touches.insert(touches.end(), m.traction.begin(), m.traction.end());
+    touches.insert(touches.end(), {m.baseline, m.depth, m.sliding, m.factor});
   }
-  return values;
+  arrays.push_back({"contact/touches", std::move(touches), numbers_of_touch});
+  return arrays;
 }
 
-void ContactModel::load(std::span<const double> values) {
-  std::size_t next = 0;
-  started_ = values[next++] > 0;
-  reference_dt_ = values[next++];
-  for (RigidState& body : rigid_) {
-    body.restore(values.subspan(next, RigidState::state_size));
-    next += RigidState::state_size;
+void ContactModel::load(std::span<const SavedArray> arrays) {
+  auto next = arrays.begin();
+  started_ = next->values[0] > 0;
+  reference_dt_ = next->values[1];
+  for (RigidState& body : rigid_) body.restore((++next)->values);
+  density_.assign(surfaces_.size(), {});
+  for (std::size_t s = 0; s < surfaces_.size(); ++s) {
+    if (surfaces_[s].is_rigid()) continue;
+    density_[s] = (++next)->values;
+    Eigen::VectorXd& f = last_force_[surfaces_[s].owner()];
+    f = Eigen::Map<const Eigen::VectorXd>((++next)->values.data(), f.size());
   }
-  density_.clear();
-  for (const MovingSurface& s : surfaces_) {
-    density_.emplace_back();
-    if (s.is_rigid()) continue;
-    for (std::size_t v = 0; v < s.mesh().vertices.size(); ++v) density_.back().push_back(values[next++]);
-  }
-  for (auto& f : last_force_)
-    for (Eigen::Index i = 0; i < f.size(); ++i) f[i] = values[next++];
   memory_.clear();
-  for (; next < values.size(); next += 9)
-    memory_.push_back({static_cast<std::uint64_t>(values[next]) << 32 | static_cast<std::uint64_t>(values[next + 1]),
-                       {values[next + 2], values[next + 3], values[next + 4]},
-                       values[next + 5],
-                       values[next + 6],
-                       values[next + 7],
-                       values[next + 8]});
+  const std::vector<double>& touches = (++next)->values;
+  for (std::size_t k = 0; k < touches.size(); k += numbers_of_touch)
+    memory_.push_back({static_cast<std::uint64_t>(touches[k]) << 32 | static_cast<std::uint64_t>(touches[k + 1]),
+                       {touches[k + 2], touches[k + 3], touches[k + 4]},
+                       touches[k + 5],
+                       touches[k + 6],
+                       touches[k + 7],
+                       touches[k + 8]});
   for (PairSearch& search : searches_) search.expire();
 }
 

@@ -53,8 +53,14 @@ class ContactModel : public PenaltySource {
   /// The pairs that overlap where the bodies stand now, self-contact left out; for a check before the first step, which
   /// refuses deep ones. Holds for closed surfaces.
   std::vector<StartOverlap> start_overlaps(std::span<const BodyState> bodies);
+  /// Sides that come closer by more than this in one step (in spans) could miss each other.
+  static constexpr double longest_step = 0.5;
+  /// Looks for them before the first step of a run, once. @throws InputError naming the pair, the depth and the place
+  void refuse_deep_overlaps(std::span<const BodyState> bodies);
   /// ContactOptions::step for the bodies whose wave speed is known.
-  double largest_step() const override { return largest_step_; }
+  double largest_step() const override;
+  /// That of one body, infinite where it touches nothing.
+  double largest_step(std::size_t body) const { return largest_steps_[body]; }
   /// Rigid bodies from t_n to t_{n+1}; other forces on them are added before.
   void advance(const StepTimes& times) override;
   /// Of the free rigid bodies.
@@ -67,8 +73,8 @@ class ContactModel : public PenaltySource {
   const std::vector<RigidState>& rigid() const { return rigid_; }
   const std::vector<MovingSurface>& surfaces() const { return surfaces_; }
 
-  std::vector<double> save() const override;
-  void load(std::span<const double> values) override;
+  std::vector<SavedArray> save() const override;
+  void load(std::span<const SavedArray> arrays) override;
 
  private:
   /// What a touch remembers.
@@ -111,9 +117,9 @@ class ContactModel : public PenaltySource {
   std::vector<RigidState> rigid_;
   std::vector<PairSearch> searches_;
   ContactReport report_;
-  bool started_ = false;
-  double reference_dt_ = 0; ///< of the springs
-  double largest_step_ = std::numeric_limits<double>::infinity();
+  bool started_ = false, overlaps_are_checked_ = false;
+  double reference_dt_ = 0;           ///< of the springs
+  std::vector<double> largest_steps_; ///< per deformable body
   /// Per surface and vertex: mass of the slab behind it / dt², lowered where a node could not bear it; force/length³.
   std::vector<std::vector<double>> density_;
   std::vector<std::vector<double>> vertex_sum_; ///< per surface and vertex: Σ k |weight| of this step

@@ -1,4 +1,5 @@
 // How deep bodies lie in each other before the first step, however deep: what the narrow phase does not see counts too.
+#include "format/model/errors.hpp"
 #include "format/model/vec3.hpp"
 #include "solver/explicit/contact/closest_point.hpp"
 #include "solver/explicit/contact/contact_model.hpp"
@@ -6,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <limits>
 #include <tbb/parallel_for.h>
 
@@ -36,17 +38,12 @@ class Solid {
     const double size = norm(minus(whole_.upper, whole_.lower));
     const Point3 end = plus(x, times(ray, 2 * size));
     int crossings = 0;
-    tree_.each_overlap({x, end}, [&](std::int32_t f) { crossings += crosses(x, f) ? 1 : 0; });
+    tree_.each_on_segment(x, end, [&](std::int32_t f) { crossings += crosses(x, f) ? 1 : 0; });
     if (crossings % 2 == 0) return 0;
-    for (double reach = 1e-3 * size;; reach *= 4) {
-      double least2 = std::numeric_limits<double>::infinity();
-      tree_.each_overlap(grown({x, x}, reach), [&](std::int32_t f) {
-        const Triangle& t = surface_.mesh().triangles[at(f)];
-        least2 =
-            std::min(least2, closest_on_triangle(x, surface_.x(t[0]), surface_.x(t[1]), surface_.x(t[2])).distance2);
-      });
-      if (std::sqrt(least2) <= reach || reach > size) return std::sqrt(least2);
-    }
+    return std::sqrt(tree_.least_distance2(x, [&](std::int32_t f) {
+      const Triangle& t = surface_.mesh().triangles[at(f)];
+      return closest_on_triangle(x, surface_.x(t[0]), surface_.x(t[1]), surface_.x(t[2])).distance2;
+    }));
   }
 
  private:
@@ -66,6 +63,16 @@ class Solid {
 };
 
 } // namespace
+
+void ContactModel::refuse_deep_overlaps(std::span<const BodyState> bodies) {
+  for (const StartOverlap& overlap : start_overlaps(bodies))
+    if (overlap.is_deep())
+      throw InputError(fmt::format("{}{}contact '{}': the bodies overlap by {:.4g} at the start near ({:.6g}, {:.6g}, "
+                                   "{:.6g}), more than half a span ({:.4g}); move them apart",
+                                   overlap.where, overlap.where.empty() ? "" : ": ", overlap.pair, overlap.depth,
+                                   overlap.place[0], overlap.place[1], overlap.place[2], overlap.span_size));
+  overlaps_are_checked_ = true;
+}
 
 std::vector<StartOverlap> ContactModel::start_overlaps(std::span<const BodyState> bodies) {
   for (MovingSurface& s : surfaces_) {

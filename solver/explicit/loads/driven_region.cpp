@@ -146,16 +146,16 @@ PenaltyEnergy RegionDrive::add_forces(const StepTimes& times, std::span<const Bo
   return energy;
 }
 
-std::vector<double> RegionDrive::save() const {
+std::vector<SavedArray> RegionDrive::save() const {
   std::vector<double> values{reference_dt_, external_work_, stored_, largest_miss_};
   values.insert(values.end(), last_force_.begin(), last_force_.end());
   for (const Patch& patch : patches_) values.insert(values.end(), patch.density.begin(), patch.density.end());
   values.insert(values.end(), sums_.data(), sums_.data() + sums_.size());
-  return values;
+  return {{"supports/" + settings_.name, std::move(values), 0}};
 }
 
-void RegionDrive::load(std::span<const double> values) {
-  auto next = values.begin();
+void RegionDrive::load(std::span<const SavedArray> arrays) {
+  auto next = arrays.front().values.begin();
   reference_dt_ = *next++;
   external_work_ = *next++;
   stored_ = *next++;

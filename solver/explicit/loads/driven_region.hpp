@@ -31,8 +31,8 @@ class RegionDrive : public PenaltySource {
 
   PenaltyEnergy add_forces(const StepTimes& times, std::span<const BodyState> bodies) override;
   double external_work() const override { return external_work_; }
-  std::vector<double> save() const override;
-  void load(std::span<const double> values) override;
+  std::vector<SavedArray> save() const override;
+  void load(std::span<const SavedArray> arrays) override;
 
   const RegionReport& region() const { return region_.report; }
   Point3 force() const { return force_; }               ///< on the body at the last evaluation

@@ -213,7 +213,7 @@ TEST(ContactForce, HistoryFollowsAVertexFromFaceToFaceAndThroughARestart) {
       for (Eigen::Index i = 0; i < body->masses.size(); ++i) sum += body->f.segment<3>(3 * i);
     EXPECT_LT(sum.norm(), 1e-12 * normal);
   }
-  const std::vector<double> saved = scene.contact.save();
+  const std::vector<SavedArray> saved = scene.contact.save();
   scene.evaluate();
   const Eigen::VectorXd expected = scene.bodies[1]->f;
   scene.contact.load(saved);

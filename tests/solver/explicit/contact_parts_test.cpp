@@ -117,6 +117,43 @@ TEST(ClosestPoint, IsNoFartherThanAnyPointOfTheTriangle) {
   }
 }
 
+TEST(Bvh, FollowsASegmentAndFindsTheNearestPastFewItems) {
+  // Small cells of an oblique sheet, as the triangles of a turned face.
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> anywhere(0, 1);
+  std::vector<Box3> boxes;
+  for (int i = 0; i < 100; ++i)
+    for (int j = 0; j < 100; ++j) {
+      const Point3 x{0.01 * i, 0.01 * j, 0.005 * (i + j)};
+      boxes.push_back({x, plus(x, {0.01, 0.01, 0.01})});
+    }
+  const Bvh tree(boxes);
+  std::size_t visits = 0, looks = 0;
+  for (int k = 0; k < 50; ++k) {
+    const Point3 a{anywhere(random), anywhere(random), anywhere(random)}, b{anywhere(random), anywhere(random), 1};
+    std::vector<std::uint8_t> visited(boxes.size(), 0);
+    tree.each_on_segment(a, b, [&](std::int32_t i) { visited[static_cast<std::size_t>(i)] = 1; });
+    visits += static_cast<std::size_t>(std::count(visited.begin(), visited.end(), 1));
+    for (int s = 0; s <= 100; ++s) { // points of the segment lie in visited boxes alone
+      const Point3 x = plus(times(a, 1 - 0.01 * s), times(b, 0.01 * s));
+      for (std::size_t i = 0; i < boxes.size(); ++i)
+        ASSERT_TRUE(visited[i] || !overlap({x, x}, boxes[i])) << k << " " << s << " " << i;
+    }
+    double least = std::numeric_limits<double>::infinity();
+    const auto distance2 = [&](std::size_t i) {
+      const Point3 d = minus(a, boxes[i].lower);
+      return dot(d, d);
+    };
+    for (std::size_t i = 0; i < boxes.size(); ++i) least = std::min(least, distance2(i));
+    EXPECT_EQ(tree.least_distance2(a, [&](std::int32_t i) { return ++looks, distance2(static_cast<std::size_t>(i)); }),
+              least);
+  }
+  EXPECT_LT(visits, 50u * 100u); // of 10 000 each
+  EXPECT_LT(looks, 50u * 300u);
+  EXPECT_EQ(Bvh().least_distance2({0, 0, 0}, [](std::int32_t) { return 0.0; }),
+            std::numeric_limits<double>::infinity());
+}
+
 TEST(Bvh, FindsWhatBruteForceFindsAfterRefittingToo) {
   std::mt19937 random(3);
   std::vector<Box3> boxes(500);

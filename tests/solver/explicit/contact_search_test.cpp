@@ -170,7 +170,7 @@ TEST(ContactForce, WhatTouchesAfterTheStepHasShrunkGetsStifferSprings) {
   EXPECT_EQ(scene.contact.report().least_scale, 1); // within the budget
   scene.times.dt *= 0.5;
   EXPECT_NEAR(move(-0.001), 2 * later, 1e-9 * later); // constant while it lasts
-  const std::vector<double> saved = scene.contact.save();
+  const std::vector<SavedArray> saved = scene.contact.save();
   scene.evaluate();
   const Eigen::VectorXd expected = scene.bodies[0]->f;
   scene.contact.load(saved);

@@ -136,6 +136,12 @@ class ExplicitRunTest(unittest.TestCase):
         done = self.solve("run.toml", "out.h5", "--json", "--force")
         report = json.loads(done.stdout)
         self.assertLess(report["energy_error"], 0.02)
+        step = report["time_step"]
+        self.assertEqual(step["by"], step["bounds"][0]["by"])
+        self.assertEqual([bound["dt"] for bound in step["bounds"]], sorted(bound["dt"] for bound in step["bounds"]))
+        self.assertEqual({bound["by"] for bound in step["bounds"]}, {"material of body 'block'", "contact of body 'block'", "dt_max in [time]"})
+        self.assertEqual(len(step["twice_the_step_needs"]), sum(bound["dt"] < 2 * step["dt"] for bound in step["bounds"]))
+        self.assertTrue(any("rotational inertia that is off by +" in warning for warning in report["warnings"]), report["warnings"])
         self.assertLess(report["momentum_error"], 1e-9)
         results = iga_results.read(self.path / "out.h5")
         times = results["/time_series/time"]
@@ -256,6 +262,63 @@ class ExplicitRunTest(unittest.TestCase):
         self.assertIn("--force", done.stderr)
         self.assertEqual((self.path / "kept.h5").read_text(), "of another day")
 
+    def interrupted(self, run, out):
+        """The run, ended by Ctrl-C at work: a restart file lies there."""
+        process = self.start(run, out, "--force")
+        process.send_signal(signal.SIGINT)
+        words = process.communicate()[1]
+        self.assertEqual(process.returncode, 130, words)
+
+    def test_a_restart_refuses_what_would_corrupt_the_run(self):
+        text = (self.path / "long.toml").read_text().replace('damping = 0.01', 'damping = 0.01\nedge_length = 0.4')
+        edited = self.path / "edited.toml"
+        edited.write_text(text)
+        self.interrupted("edited.toml", "edited.h5")
+        rows = self.series("edited.h5")
+        edits = (("edge_length = 0.4", "edge_length = 0.8", r"bodies\[1\].edge_length: 0.4 when the run began, 0.8 now"),
+                 ("edge_length = 0.4", "edge_length = 0.2", r"bodies\[1\].edge_length: 0.4 when the run began, 0.2 now"),
+                 ("edge_length = 0.4", "", r"bodies\[1\].edge_length: 0.4 when the run began, nothing now"),
+                 ("E = 1,", "E = 2,", r"bodies\[1\].material.E: 1 when the run began, 2 now"),
+                 ("radius = 1\n", "radius = 2\n", r"rigid_bodies\[1\].radius"),
+                 ("[5, 0.01]", "[5, 0.02]", r"rigid_bodies\[2\].drive.z"),
+                 ("friction = 0.3", "friction = 0.4", r"contacts\[1\].friction"),
+                 ("pressure = 0.002", "pressure = 0.003", r"loads\[1\].pressure"),
+                 ('fixed = "x"', 'fixed = "xy"', r"supports\[1\].fixed"),
+                 ("normal = [0, 0, 1] }\nfixed", "normal = [0, 0, 1], tolerance = 0.1 }\nfixed", r"supports\[1\].plane.tolerance"),
+                 ("gravity = [0, 0, -0.01]", "gravity = [0, 0, -0.02]", "gravity"),
+                 ("subdivide = 1", "subdivide = 2", "output.subdivide: 1 when the run began, 2 now"))
+        for before, after, words in edits:
+            self.assertIn(before, text)
+            edited.write_text(text.replace(before, after))
+            self.assertRegex(self.solve("edited.toml", "edited.h5", "--restart", code=2).stderr, words)
+        self.assertEqual(self.series("edited.h5"), rows)
+        # What may change does, and is told; rows come at the new interval from here on.
+        later = text.replace("end = 40", "end = 50").replace("\ninterval = 0.2", "\ninterval = 0.5")
+        edited.write_text(later + "[energy]\nlimit = 0.5\n[[stop]]\nquantity = \"energy/kinetic\"\nabove = 1e9\n")
+        done = self.solve("edited.toml", "edited.h5", "--restart", "--json")
+        for words in (r"time.end: 40 when the run began, 50 now", "output.interval: 0.2 when the run began, 0.5 now", "energy.limit"):
+            self.assertRegex(json.loads(done.stdout)["warnings"][0], words)
+        times = iga_results.read(self.path / "edited.h5")["/time_series/time"]
+        self.assertEqual(times[-1], 50)
+        steps = np.diff(times)
+        self.assertLess(steps.max(), 0.52)
+        self.assertGreater(steps[-20:-1].min(), 0.48)
+
+    def test_a_restart_file_that_lost_a_number_is_refused(self):
+        self.interrupted("long.toml", "short.h5")
+        whole = (self.path / "short_restart.h5").read_bytes()
+        for name in ("bodies/block/velocity", "bodies/block/history", "rigid_bodies/ball", "contact/density/block",
+                     "contact/last_force/block", "contact/touches", "contact/numbers", "supports/foot", "sums", "numbers"):
+            with h5py.File(self.path / "short_restart.h5", "r+") as file:
+                values = file[name][()]
+                del file[name]
+                data = file.create_dataset(name, data=np.append(values, 0.5), chunks=(len(values) + 1,), fletcher32=True)
+                data.attrs["description"] = "longer"
+            words = self.solve("long.toml", "short.h5", "--restart", code=3 if name == "numbers" else 2).stderr
+            self.assertRegex(words, f"/?{name}: (found|holds) {len(values) + 1} numbers.*expected")
+            (self.path / "short_restart.h5").write_bytes(whole)
+        self.solve("long.toml", "short.h5", "--restart", "--quiet")
+
     def test_a_restart_needs_the_same_files(self):
         shutil.copyfile(self.path / "box.h5", self.path / "changing.h5")
         (self.path / "changing.toml").write_text((self.path / "long.toml").read_text().replace('"box.h5"', '"changing.h5"'))
@@ -266,7 +329,7 @@ class ExplicitRunTest(unittest.TestCase):
         with h5py.File(self.path / "changing.h5", "r+") as file:
             file["notes"] = "changed"
         done = self.solve("changing.toml", "changed.h5", "--restart", code=2)
-        self.assertRegex(done.stderr, "changing.h5: changed since the run began")
+        self.assertRegex(done.stderr, "changing.toml:5: 'model' in .bodies.: changing.h5 changed since the run began")
         self.assertIn("nothing to go on with", self.solve("run.toml", "never.h5", "--restart", code=2).stderr)
 
     def expect_blow_up(self, text, *words):
@@ -310,6 +373,8 @@ class ExplicitRunTest(unittest.TestCase):
             (("[output]", '[[stop]]\nquantity = "rigid/bal/velocity.z"\nabove = 0\n[output]'),
              r"bad.toml:\d+: .*did you mean \"rigid/ball/velocity.z\""),
             (("gravity", 'units = "furlong"\ngravity'), r"bad.toml:\d+: the length unit"),
+            (("velocity = [0.02, 0, -0.15]", "velocity = [0.02, 0, -1500]"),
+             r"bad.toml:\d+: contact 'hit': the sides move against each other at 1500, which is \S+ spans in a step of \S+; .*dt_max below"),
         ):
             with self.subTest(change[1]):
                 text = run_text()
@@ -320,6 +385,8 @@ class ExplicitRunTest(unittest.TestCase):
                 done = self.solve("bad.toml", "unwritten.h5", code=2)
                 self.assertRegex(done.stderr, words)
                 self.assertEqual(list(self.path.glob("unwritten*")), [])
+                if "overlap" in words:  # known before stiffness and time step are
+                    self.assertNotIn("time step", done.stderr)
 
     def test_help_shows_a_run_file_that_works(self):
         done = subprocess.run([IGASOLVE, "explicit", "--help"], capture_output=True, text=True)

@@ -194,7 +194,7 @@ TEST_F(RunFile, WrongSettingsAreRefusedWithTheirPlace) {
       {"model = \"cube.h5\"", "", {"run.toml:2:", "'model'", "missing"}},
       {"\"cube.h5\"", "\"none.h5\"", {"run.toml:4:", "none.h5"}},
       {"rho = 2 }", "rho = -2 }", {"run.toml:10:", "rho"}},
-      {"rho = 2 }", "roh = 2 }", {"run.toml:10:", "rho"}},
+      {"rho = 2 }", "roh = 2 }", {"run.toml:10:", "unknown key 'roh'", "did you mean 'rho'"}},
       {"damping = 0.1\nvel", "damping = -1\nvel", {"run.toml:7:", "found -1"}},
       {"\"two-pass\"", "\"twopass\"", {"run.toml:5:", "did you mean two-pass?"}},
       {"name = \"pin\"", "name = \"cube\"", {"run.toml:12:", "another body 'cube'"}},
@@ -226,13 +226,13 @@ TEST_F(RunFile, WrongSettingsAreRefusedWithTheirPlace) {
       {"whole_surface = true\n", "", {"'region' in [supports]"}},
       {"below = 1e-3", "below = 1e-3\nabove = 1", {"either above or below"}},
       {"end = 8", "end = 0", {"'end' in [time]", "above 0"}},
-      {"end = 8", "ende = 8", {"'end' in [time]: missing"}},
+      {"end = 8", "ende = 8", {"unknown key 'ende' in [time]", "did you mean 'end'"}},
       {"safety = 0.8", "safety = 1.5", {"at most 1"}},
       {"dt_min = 1e-6", "dt_min = 1e-6\nstart_share = 1.1", {"expected at most 1"}},
       {"dt_min = 1e-6", "dt_min = 0.6", {"less than dt_max"}},
       {"limit = 0.3", "limits = 0.3", {"unknown key", "'limit' in [energy]"}},
       {"interval = 0.1\n", "interval = 1e-9\n", {"more than 1e+06"}},
-      {"[time]", "[tiem]", {"'end' in [time]: missing"}},
+      {"[time]", "[tiem]", {"unknown key 'tiem'", "did you mean 'time'?"}},
   };
   for (const Wrong& wrong : cases) {
     std::string text = good;
@@ -247,13 +247,34 @@ TEST_F(RunFile, WrongSettingsAreRefusedWithTheirPlace) {
   EXPECT_NE(error_of("[time]\nend = 1\n").find("at least one [[bodies]]"), std::string::npos);
 }
 
+// Each table in turn gets a key that it does not have, and loses everything else: the key is what is said.
+TEST_F(RunFile, AWrongKeyIsNamedBeforeAnythingElseIsSaidOfItsTable) {
+  for (const std::string table :
+       {"[[bodies]]", "[bodies.material]", "[bodies.place]", "[[rigid_bodies]]", "[rigid_bodies.drive]", "[contact]",
+        "[[contacts]]", "[[loads]]", "[loads.plane]", "[loads.normal]", "[[supports]]", "[supports.drive]", "[time]",
+        "[energy]", "[output]", "[[stop]]"}) {
+    std::string parents;
+    if (const auto dot = table.find('.'); dot != std::string::npos) parents = "[[" + table.substr(1, dot - 1) + "]]\n";
+    const std::string error = error_of(parents + table + "\ntemperature = \"hot\"\n");
+    EXPECT_NE(error.find("run.toml:" + std::to_string(parents.empty() ? 2 : 3) + ": unknown key 'temperature'"),
+              std::string::npos)
+        << table << ": " << error;
+  }
+  // The first of several, by line; a value that is wrong as well comes second.
+  const std::string error = error_of("[[bodies]]\nmass = 7\nmodell = 1\n[[stop]]\nbelow = 1\nabov = 2\n");
+  EXPECT_NE(error.find("run.toml:3: unknown key 'modell' in [bodies]; did you mean 'model'"), std::string::npos)
+      << error;
+}
+
 RestartState some_state() {
   RestartState r;
   r.version = "1.2.3";
-  r.inputs = {{"run.toml", "aa"}, {"cube.h5", "bb"}};
+  r.inputs = {{"run.toml", "aa"}, {"cube.h5", "bbbbbbbbbbbb"}};
+  r.settings = {{"bodies[1].edge_length", "4"}, {"bodies[1].model", "\"cube.h5\""}, {"time.end", "8"}};
   r.limits = {{3.5, 0.57, false, 12, 0.25}};
   r.state.bodies.resize(1);
   auto& body = r.state.bodies[0];
+  body.name = "cube";
   body.displacement = {1.0 / 3, -0.0, 5e-324};
   body.velocity = {1, 2, 3};
   body.momentum = {4, 5, 6};
@@ -262,7 +283,8 @@ RestartState some_state() {
   body.report.min_J = 0.3;
   body.report.step_span = 7;
   body.inverted = 11;
-  r.state.penalties = {{}, {std::numeric_limits<double>::max(), 4294967295.0}};
+  r.state.sources = {{"contact/numbers", {}, 0},
+                     {"contact/density/cube", {std::numeric_limits<double>::max(), 4294967295.0}, 0}};
   r.state.progress.time = 0.1 + 0.2;
   r.state.progress.control.count = 9;
   r.state.progress.steps = 123456789;
@@ -270,7 +292,6 @@ RestartState some_state() {
   r.state.progress.largest_energy = 8;
   r.sums = {1, 2, 3};
   r.rows = 5;
-  r.next_field = 3;
   return r;
 }
 
@@ -287,7 +308,10 @@ TEST(RestartFile, GivesBackEveryBit) {
   EXPECT_EQ(back.state.bodies[0].momenta, r.state.bodies[0].momenta);
   EXPECT_EQ(back.state.bodies[0].report.step_span, 7);
   EXPECT_EQ(back.state.bodies[0].inverted, 11);
-  EXPECT_EQ(back.state.penalties, r.state.penalties);
+  EXPECT_EQ(back.state.bodies[0].name, "cube");
+  EXPECT_EQ(back.state.sources, r.state.sources);
+  EXPECT_EQ(back.settings, r.settings);
+  EXPECT_EQ(back.inputs.size(), 2u);
   EXPECT_EQ(back.state.progress.time, r.state.progress.time);
   EXPECT_EQ(back.state.progress.control.count, 9);
   EXPECT_EQ(back.state.progress.steps, 123456789);
@@ -296,23 +320,67 @@ TEST(RestartFile, GivesBackEveryBit) {
   EXPECT_FALSE(back.limits[0].by_lanczos);
   EXPECT_EQ(back.sums, r.sums);
   EXPECT_EQ(back.rows, 5);
-  EXPECT_EQ(back.next_field, 3);
+}
+
+ExplicitRun some_run() {
+  ExplicitRun run;
+  run.file = "run.toml";
+  run.settings = {{"bodies[1].edge_length", "4", 3}, {"bodies[1].model", "\"cube.h5\"", 4}, {"time.end", "8", 9}};
+  run.inputs = {{"cube.h5", "run.toml:4: 'model' in [bodies]"}};
+  return run;
+}
+
+std::string refusal(const RestartState& r, const ExplicitRun& run, const std::vector<InputFile>& inputs) {
+  try {
+    check_restart(r, run, inputs, "r.h5", "1.2.3");
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "nothing was refused";
 }
 
 TEST(RestartFile, BelongsToItsFiles) {
   const RestartState r = some_state();
-  EXPECT_TRUE(check_restart(r, r.inputs, "r.h5", "1.2.3").empty());
   auto inputs = r.inputs;
-  inputs[0].sha256 = "cc"; // the run file may change, which is told
-  EXPECT_EQ(check_restart(r, inputs, "r.h5", "1.2.3").size(), 1u);
-  inputs = r.inputs;
-  inputs[1].sha256 = "cc";
-  EXPECT_THROW(check_restart(r, inputs, "r.h5", "1.2.3"), InputError);
+  inputs[0].sha256 = "cc"; // comments of the run file, and the order of its keys, may change
+  EXPECT_TRUE(check_restart(r, some_run(), inputs, "r.h5", "1.2.3").empty());
+  inputs[1].sha256 = "cccccccccccc";
+  const std::string error = refusal(r, some_run(), inputs);
+  EXPECT_NE(error.find("run.toml:4: 'model' in [bodies]: cube.h5 changed"), std::string::npos) << error;
   inputs.pop_back();
-  EXPECT_THROW(check_restart(r, inputs, "r.h5", "1.2.3"), InputError);
+  EXPECT_NE(refusal(r, some_run(), inputs).find("/input_names: found 2 files, expected 1"), std::string::npos);
   RestartState old = r;
   old.version = "0.0.1";
-  EXPECT_THROW(check_restart(old, r.inputs, "r.h5", "1.2.3"), InputError);
+  EXPECT_NE(refusal(old, some_run(), r.inputs).find("written by igasolve 0.0.1, this is 1.2.3"), std::string::npos);
+}
+
+TEST(RestartFile, NamesEachValueThatMayNotChange) {
+  const RestartState r = some_state();
+  ExplicitRun run = some_run();
+  run.settings[0].value = "8";
+  EXPECT_NE(refusal(r, run, r.inputs).find("run.toml:3: bodies[1].edge_length: 4 when the run began, 8 now"),
+            std::string::npos)
+      << refusal(r, run, r.inputs);
+  run = some_run();
+  run.settings.erase(run.settings.begin());
+  EXPECT_NE(refusal(r, run, r.inputs).find("run.toml: bodies[1].edge_length: 4 when the run began, nothing now"),
+            std::string::npos);
+  for (const char* path : {"output.subdivide", "gravity", "contact.skin", "contacts[1].friction", "loads[2].pressure",
+                           "supports[1].fixed", "rigid_bodies[1].mass", "units"}) {
+    run = some_run();
+    run.settings.push_back({path, "7", 12});
+    EXPECT_NE(refusal(r, run, r.inputs).find(std::string("run.toml:12: ") + path + ": nothing when"), std::string::npos)
+        << refusal(r, run, r.inputs);
+  }
+  for (const char* path : {"time.safety", "output.interval", "output.points", "energy.limit", "stop[1].above"}) {
+    run = some_run();
+    run.settings.push_back({path, "7", 12});
+    run.settings[2].value = "9";
+    const auto warnings = check_restart(r, run, r.inputs, "r.h5", "1.2.3");
+    ASSERT_EQ(warnings.size(), 1u);
+    EXPECT_NE(warnings[0].find("time.end: 8 when the run began, 9 now"), std::string::npos) << warnings[0];
+    EXPECT_NE(warnings[0].find(path), std::string::npos) << warnings[0];
+  }
 }
 
 } // namespace
