@@ -128,8 +128,11 @@ std::string ExplicitLoop::state_text() const {
 }
 
 double ExplicitLoop::momentum_error() const {
-  double error = 0, scale = 0;
   const Integrator& integrator = parts_.scene.integrator();
+  double error = 0, mass = 0;
+  for (const ExplicitBody* body : integrator.bodies()) mass += body->mass().total();
+  // What the parts of a body carry although it stays where it is, as in a spin: its sum is rounding alone.
+  double scale = std::sqrt(2 * mass * std::max(0.0, integrator.energy().kinetic));
   for (std::size_t b = 0; b < parts_.scene.num_bodies(); ++b) {
     const MomentumBalance& m = integrator.momentum(b);
     error = std::max(error, m.linear_error().norm());

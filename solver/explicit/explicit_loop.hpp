@@ -31,7 +31,8 @@ class ExplicitLoop {
 
   const StopCondition* stopped_by() const { return stop_; }
   const std::vector<std::string>& warnings() const { return warnings_; }
-  /// Largest error of the momentum balance of all bodies, relative to the largest momentum or impulse.
+  /// Largest error of the momentum balance of all bodies, relative to the largest momentum, impulse or
+  /// √(2 mass · kinetic energy), which a body that only turns has too.
   double momentum_error() const;
 
  private:
