@@ -74,7 +74,6 @@ void add_run(io::JsonObject& json, const PrepReport& r) {
     offset.add("evaluations", r.offset->evaluations);
     json.add("offset", offset);
   }
-  json.add("warnings", r.warnings);
   io::JsonObject timings;
   for (const auto& [stage, seconds] : r.timings) timings.add(stage, seconds);
   timings.add("total", total_seconds(r));
@@ -218,6 +217,7 @@ std::string json_report(const PrepReport& r) {
   json.add("functions", r.functions);
   json.add("light_functions", r.light_functions);
   json.add("findings", r.findings);
+  json.add("warnings", r.warnings);
   io::JsonObject grid;
   grid.add("A", r.grid.A());
   grid.add("B", r.grid.B());

@@ -121,6 +121,44 @@ position = [1.3, 1.4, 1.85]
   EXPECT_NEAR(number(r, "statics.probes.0.von_mises"), 2, 1e-7);
 }
 
+// What the synthetic model's provenance holds.
+constexpr const char *model_warning = "a wall is thinner than a span",
+                     *model_finding = "12 duplicate vertices were welded";
+
+TEST_F(Igasolve, RepeatsWarningsAndFindingsOfTheModelBesideEveryResult) {
+  write_bytes(folder / "held.toml", "model = \"cube.h5\"\n[material]\nE = 1\nnu = 0.3\n[[support]]\nwhole_surface = "
+                                    "true\n[[load]]\nbody_force = [0, 0, 1]\n");
+  write_bytes(folder / "flight.toml", "[[bodies]]\nname = \"cube\"\nmodel = \"cube.h5\"\nmaterial = { law = "
+                                      "\"neo-hookean\", E = 1, nu = 0.3, rho = 1e-9 }\n[time]\nend = 1e-4\n[output]\n"
+                                      "interval = 1e-4\n");
+  const std::vector<std::vector<std::string>> commands{{"eigen", "cube.h5", "--modes", "2"},
+                                                       {"eigen", "cube.h5", "--largest"},
+                                                       {"timestep", "cube.h5"},
+                                                       {"static", "held.toml"},
+                                                       {"explicit", "flight.toml", "-o", "flight.h5", "--force"},
+                                                       {"info", "cube.h5"},
+                                                       {"check", "cube.h5"}};
+  for (const auto& command : commands) {
+    const bool with_material = command[0] == "eigen" || command[0] == "timestep";
+    const ProgramRun text = run(command, with_material);
+    EXPECT_EQ(text.exit_code, 0) << text.err;
+    EXPECT_NE(text.out.find(model_warning), std::string::npos) << command[0] << ": " << text.out;
+    EXPECT_NE(text.out.find(model_finding), std::string::npos) << command[0] << ": " << text.out;
+    auto report = json(command, with_material);
+    EXPECT_NE(report["warnings.0"].find(model_warning), std::string::npos) << command[0];
+    EXPECT_NE(report["findings.0"].find(model_finding), std::string::npos) << command[0];
+  }
+}
+
+TEST_F(Igasolve, WarnsOfAMaterialThatFitsNoUnitsOfTheModel) {
+  const auto steel = [&](const char* E, const char* rho) {
+    return run({"eigen", "cube.h5", "--modes", "1", "--E", E, "--nu", "0.3", "--rho", rho}, false).err;
+  };
+  EXPECT_NE(steel("210e9", "7850").find("E = 210000, rho = 7.85e-09 in t, mm, s"), std::string::npos);
+  EXPECT_EQ(steel("210000", "7.85e-9").find("no solid"), std::string::npos);
+  EXPECT_EQ(steel("210", "7.85e-6").find("no solid"), std::string::npos);
+}
+
 struct Case {
   const char* name;
   std::vector<std::string> arguments; // material flags are added unless a run file is given
