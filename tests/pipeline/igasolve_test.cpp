@@ -206,7 +206,8 @@ TEST_P(IgasolveRefuses, WithItsCodeAndAMessage) {
   const Case& c = GetParam();
   std::vector<std::string> arguments = c.arguments;
   const bool has_run_file = arguments.size() > 1 && arguments[1].ends_with(".toml");
-  if (!has_run_file && arguments.size() > 1 && arguments[0] != "info" && arguments[0] != "check")
+  if (!has_run_file && arguments.size() > 1 && arguments[0] != "info" && arguments[0] != "check" &&
+      arguments[0] != "export")
     for (std::size_t k = 0; k < material.size(); k += 2)
       if (std::find(arguments.begin(), arguments.end(), material[k]) == arguments.end())
         arguments.insert(arguments.end(), {material[k], material[k + 1]});
@@ -226,6 +227,20 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"Missing", {"eigen", "absent.h5"}, 2, {"absent.h5"}},
         Case{"NotAModel", {"eigen", "notes.h5"}, 3, {"notes.h5"}},
         Case{"Truncated", {"eigen", "cut.h5"}, 3, {"cut.h5"}},
+        Case{"UnknownCommand", {"egien", "cube.h5"}, 2, {"egien", "did you mean eigen", "timestep"}},
+        Case{"UnknownCommandWithFlags", {"modal", "cube.h5"}, 2, {"unknown command modal", "export"}},
+        Case{"UnknownFlagOfACommandWithoutFile", {"info", "--jsn"}, 2, {"--jsn", "did you mean --json"}},
+        Case{"TooManyArguments", {"info", "cube.h5", "notes.h5"}, 2, {"notes.h5", "too many"}},
+        Case{"OutputAsTable", {"eigen", "cube.h5", "-o", "modes.csv"}, 2, {"modes.csv", "modes.h5", "igasolve export"}},
+        Case{"OutputForAViewer", {"eigen", "cube.h5", "-o", "modes.VTU"}, 2, {"modes.VTU", "modes.h5", "ParaView"}},
+        Case{"OutputAsReport", {"eigen", "cube.h5", "-o", "modes.json"}, 2, {"modes.json", "--json"}},
+        Case{"ExportWithoutAFormat", {"export", "cube.h5"}, 2, {"--csv"}},
+        Case{"ExportOfAnUnknownTable",
+             {"export", "cube.h5", "--csv", "--table", "point"},
+             2,
+             {"point", "did you mean points"}},
+        Case{"ExportOfNothing", {"export", "absent.h5", "--csv"}, 2, {"absent.h5"}},
+        Case{"ExportOntoAFile", {"export", "cube.h5", "--csv", "-o", "notes.h5"}, 2, {"notes.h5", "folder"}},
         Case{"MissingRunFile", {"eigen", "absent.toml"}, 2, {"absent.toml"}},
         Case{"UnknownFlag", {"eigen", "cube.h5", "--mods", "3"}, 2, {"--mods", "--modes"}},
         Case{"UnknownKey", {"eigen", "unknown.toml"}, 2, {"unknown.toml:7", "mods", "modes"}},
