@@ -1,5 +1,6 @@
 #include "solver/unit_check.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
