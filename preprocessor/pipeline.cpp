@@ -1,6 +1,7 @@
 #include "preprocessor/pipeline.hpp"
 
 #include "format/io/interrupt.hpp"
+#include "format/io/output_ending.hpp"
 #include "format/io/sha256.hpp"
 #include "format/io/trimmed_model_io.hpp"
 #include "format/model/errors.hpp"
@@ -57,6 +58,7 @@ class Stages {
 
 // Refuses at once what would fail, or do harm, after the work is done.
 void check_paths(const Settings& s) {
+  io::refuse_foreign_ending(s.output);
   if (!fs::exists(s.input)) throw InputError(fmt::format("{}: no such file", s.input.string()));
   const fs::path folder = s.output.has_parent_path() ? s.output.parent_path() : fs::path(".");
   if (!fs::is_directory(folder)) throw InputError(fmt::format("{}: the output folder does not exist", folder.string()));
@@ -168,6 +170,7 @@ PrepReport report_standing(const Settings& s, PrepReport report) {
     const TrimmedModel model = io::read_model(s.output);
     describe_model(report, model);
     report.findings = model.provenance.findings;
+    report.warnings = model.provenance.warnings;
   } catch (const FormatError& error) {
     throw InputError(
         fmt::format("the file matches this run but is damaged; replace it with --force\n{}", error.what()));
@@ -187,7 +190,7 @@ Provenance provenance_of(const Settings& s, const RunInfo& run, const std::strin
   p.created = now_utc();
   p.timings = stages.timings;
   p.findings = report.findings;
-  append(p.findings, report.warnings);
+  p.warnings = report.warnings;
   return p;
 }
 

@@ -65,7 +65,7 @@ void add_run(io::JsonObject& json, const PrepReport& r) {
   json.add("removed_by_bounded_descent", r.counts.reduction.bounded);
   json.add("stalled_spans", r.counts.reduction.stalls);
   json.add("unreduced_spans", r.counts.reduction.unchanged);
-  json.add("secured_spans", r.counts.secured_spans);
+  json.add("stabilised_spans", r.counts.secured_spans);
   json.add("kept_spans", r.counts.kept_spans);
   if (r.offset) {
     io::JsonObject offset;
@@ -74,7 +74,6 @@ void add_run(io::JsonObject& json, const PrepReport& r) {
     offset.add("evaluations", r.offset->evaluations);
     json.add("offset", offset);
   }
-  json.add("warnings", r.warnings);
   io::JsonObject timings;
   for (const auto& [stage, seconds] : r.timings) timings.add(stage, seconds);
   timings.add("total", total_seconds(r));
@@ -151,7 +150,7 @@ std::string human_report(const PrepReport& r) {
   line("points", fmt::format("{} ({} interior, {} trimmed), {} on the surface", r.points, r.points_interior,
                              r.points_trimmed, r.surface_points));
   line("inside", r.counts.interior_boxes > 0
-                     ? fmt::format("{} on {} of spans, {:.3g} points a span", r.quadrature.interior_rule,
+                     ? fmt::format("{} on {} of spans, {:.3g} points per span", r.quadrature.interior_rule,
                                    count(r.counts.interior_boxes, "box", "boxes"),
                                    static_cast<double>(r.points_interior) / static_cast<double>(r.interior))
                      : fmt::format("{} in every span", r.quadrature.interior_rule));
@@ -162,7 +161,7 @@ std::string human_report(const PrepReport& r) {
   const ReductionCounts& reduction = r.counts.reduction;
   if (r.trimmed > 0)
     line("fewer",
-         fmt::format("{}: {:.3g} points a trimmed span, {} removed; {} with more for rigidity's sake",
+         fmt::format("{}: {:.3g} points per trimmed span, {} removed; {} got extra points against zero-energy modes",
                      r.quadrature.trimmed_rule, static_cast<double>(r.points_trimmed) / static_cast<double>(r.trimmed),
                      reduction.newton + reduction.bounded, count(r.counts.secured_spans, "span", "spans")));
   line("residual", fmt::format("{:.2e} at most (allowed {:.0e})", r.quadrature.max_residual, r.quadrature.tolerance));
@@ -218,6 +217,7 @@ std::string json_report(const PrepReport& r) {
   json.add("functions", r.functions);
   json.add("light_functions", r.light_functions);
   json.add("findings", r.findings);
+  json.add("warnings", r.warnings);
   io::JsonObject grid;
   grid.add("A", r.grid.A());
   grid.add("B", r.grid.B());

@@ -4,7 +4,7 @@ import csv
 
 STAGES = ("trim", "winding", "quadrature", "reduction", "rigidity", "points", "functions", "surface points", "check", "write")
 NAMES = ("study", "part", "degree", "grid", "interior", "trimmed", "spans_interior", "spans_trimmed", "points_interior",
-         "points_trimmed", "points_per_trimmed_span", "points", "secured_spans", "max_residual", "prep_cpu_s",
+         "points_trimmed", "points_per_trimmed_span", "points", "stabilised_spans", "max_residual", "prep_cpu_s",
          "prep_memory_mib", "reduction_ms_per_span", "unknowns", "solve_cpu_s", "solve_memory_mib", "mean_error",
          "lowest_error", "highest_error", "dt_crit", "rigid_modes", "bodies", "mechanisms", "sturm_expected", "sturm_found",
          "failure", *(f"stage_{name.replace(' ', '_')}_s" for name in STAGES))
@@ -12,7 +12,7 @@ NAMES = ("study", "part", "degree", "grid", "interior", "trimmed", "spans_interi
 COLUMNS = (("grid", "grid", ""), ("inside", "interior", ""), ("trimmed", "trimmed", ""),
            ("interior / trimmed spans", "spans", ""), ("points inside", "points_interior", "d"),
            ("per trimmed span", "points_per_trimmed_span", ".2f"), ("points", "points", "d"),
-           ("secured", "secured_spans", "d"), ("prep., CPU s", "prep_cpu_s", ".2f"), ("MiB", "prep_memory_mib", ".0f"),
+           ("stabilised", "stabilised_spans", "d"), ("prep., CPU s", "prep_cpu_s", ".2f"), ("MiB", "prep_memory_mib", ".0f"),
            ("reduction, ms a span", "reduction_ms_per_span", ".2f"), ("solution, CPU s", "solve_cpu_s", ".1f"),
            ("mean error", "mean_error", ".2e"), ("errors from", "lowest_error", "+.2e"), ("to", "highest_error", "+.2e"),
            ("Δt", "dt_crit", ".4g"), ("rigid modes", "rigid", ""), ("failure", "failure", ""))

@@ -62,7 +62,7 @@ class Runner:
         found |= {"spans_interior": spans["interior"], "spans_trimmed": spans["trimmed"], "points": report["points"],
                   "points_interior": report["points_interior"], "points_trimmed": report["points_trimmed"],
                   "points_per_trimmed_span": report["points_trimmed"] / max(spans["trimmed"], 1),
-                  "secured_spans": report["secured_spans"], "max_residual": report["max_residual"],
+                  "stabilised_spans": report["stabilised_spans"], "max_residual": report["max_residual"],
                   "prep_cpu_s": measured["cpu_s"], "prep_wall_s": measured["wall_s"],
                   "prep_memory_mib": measured["memory_mib"]}
         found |= {f"stage_{stage.replace(' ', '_')}_s": seconds for stage, seconds in timings.items()}

@@ -3,11 +3,13 @@
 #include "format/io/results_io.hpp"
 #include "format/io/sha256.hpp"
 #include "format/io/vtp_writer.hpp"
+#include "solver/model_notes.hpp"
 #include "solver/model_summary.hpp"
 
 #include <chrono>
 #include <fmt/chrono.h>
 #include <fmt/ranges.h>
+#include <sstream>
 #include <sys/resource.h>
 
 namespace iga::solve {
@@ -16,6 +18,23 @@ double peak_memory_mib() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+void warn(AnalysisRun& run, const std::vector<std::string>& warnings) {
+  if (run.command.style != ReportStyle::Quiet)
+    for (const std::string& warning : warnings) fmt::print(stderr, "igasolve: warning: {}\n", warning);
+  run.warnings.insert(run.warnings.end(), warnings.begin(), warnings.end());
+}
+
+void warn_of_joined_bodies(AnalysisRun& run, const SolutionSpace& space) {
+  if (const auto warning = joined_bodies_warning(space)) warn(run, {*warning});
+}
+
+std::vector<std::string> TextReport::lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
 }
 
 void add_model(TextReport& report, const AnalysisRun& run, const SolutionSpace& space) {
@@ -68,6 +87,8 @@ void add_end(TextReport& report, const AnalysisRun& run) {
     total += seconds;
   }
   report.line("time", "{:.2f} s ({}), peak memory {:.0f} MiB", total, stages, peak_memory_mib());
+  report.lines("model says", run.model.provenance.findings);
+  report.lines("warning", run.warnings);
 }
 
 void add_end(io::JsonObject& report, const AnalysisRun& run) {
@@ -75,6 +96,7 @@ void add_end(io::JsonObject& report, const AnalysisRun& run) {
   io::JsonObject timings;
   for (const auto& [stage, seconds] : run.timings) timings.add(stage, seconds);
   report.add("timings", timings).add("peak_memory_mib", peak_memory_mib()).add("warnings", run.warnings);
+  report.add("findings", run.model.provenance.findings);
 }
 
 ResultsHeader results_header(const AnalysisRun& run, const char* analysis, const SolutionSpace& space) {
@@ -100,7 +122,8 @@ ResultsHeader results_header(const AnalysisRun& run, const char* analysis, const
   p.created = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}",
                           fmt::gmtime(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now())));
   p.timings = run.timings;
-  p.findings = run.warnings;
+  p.findings = run.model.provenance.findings;
+  p.warnings = run.warnings;
   return head;
 }
 
@@ -111,7 +134,6 @@ void write_outputs(const AnalysisRun& run, const Results& results) {
 
 void print_report(const AnalysisRun& run, const std::string& report) {
   if (run.command.style == ReportStyle::Quiet) return;
-  for (const std::string& warning : run.warnings) fmt::print(stderr, "igasolve: warning: {}\n", warning);
   fmt::print("{}{}", report, run.command.style == ReportStyle::Json ? "\n" : "");
 }
 

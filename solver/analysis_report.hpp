@@ -7,6 +7,7 @@
 #include "solver/run_settings.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace iga::solve {
 
@@ -18,14 +19,23 @@ struct AnalysisRun {
   RunSettings settings;
   TrimmedModel model;
   Timings timings;
-  std::vector<std::string> warnings;
+  std::vector<std::string> warnings; ///< already on stderr; the report repeats them
 };
 
-/// Text report: one line per key.
+/// Prints the warnings to stderr at once (unless quiet) and keeps them for report and results file.
+void warn(AnalysisRun& run, const std::vector<std::string>& warnings);
+/// Warns where the model joins bodies that the surface has apart.
+void warn_of_joined_bodies(AnalysisRun& run, const SolutionSpace& space);
+
+/// Text report: one line per key; further lines of a text are indented.
 class TextReport {
  public:
   template <class... Args> void line(std::string_view key, fmt::format_string<Args...> text, Args&&... args) {
-    fmt::format_to(std::back_inserter(buffer_), "{:<13}{}\n", key, fmt::format(text, std::forward<Args>(args)...));
+    fmt::format_to(std::back_inserter(buffer_), "{:<13}{}\n", key,
+                   fmt::join(lines_of(fmt::format(text, std::forward<Args>(args)...)), "\n             "));
+  }
+  void lines(std::string_view key, const std::vector<std::string>& texts) {
+    for (const std::string& text : texts) line(key, "{}", text);
   }
   template <class... Args> void row(fmt::format_string<Args...> text, Args&&... args) {
     fmt::format_to(std::back_inserter(buffer_), "{}\n", fmt::format(text, std::forward<Args>(args)...));
@@ -33,6 +43,8 @@ class TextReport {
   std::string text() const { return fmt::to_string(buffer_); }
 
  private:
+  static std::vector<std::string> lines_of(const std::string& text);
+
   fmt::memory_buffer buffer_;
 };
 
@@ -45,7 +57,7 @@ void add_model(io::JsonObject& report, const AnalysisRun& run, const SolutionSpa
 /// Regions of supports: area and centroid of what was chosen.
 void add_regions(TextReport& report, const std::vector<RegionReport>& regions);
 std::vector<io::JsonObject> json_of(const std::vector<RegionReport>& regions);
-/// Results file, timings, peak memory, warnings: the end of every report.
+/// Results file, timings, peak memory, findings of the model, warnings: the end of every report.
 void add_end(TextReport& report, const AnalysisRun& run);
 void add_end(io::JsonObject& report, const AnalysisRun& run);
 
@@ -54,7 +66,7 @@ ResultsHeader results_header(const AnalysisRun& run, const char* analysis, const
 /// Writes the results file and, if asked for, the viewer files beside it. @throws InputError
 void write_outputs(const AnalysisRun& run, const Results& results);
 
-/// Prints warnings to stderr and the report to stdout, as the user asked.
+/// Prints the report to stdout unless quiet.
 void print_report(const AnalysisRun& run, const std::string& report);
 
 /// The analyses; each prints its report and returns the exit code.

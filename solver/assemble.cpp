@@ -129,7 +129,7 @@ SpanClasses classify(const SolutionSpace& space, InteriorPoints interior) {
     const Index3 ijk = grid.span_index(model.active[s]);
     const Box3 box = grid.span_box(ijk);
     auto& key = keys[s];
-    for (std::size_t d = 0; d < 3; ++d) // distance from the ends of the grid, as far as the functions feel it
+    for (std::size_t d = 0; d < 3; ++d) // distance from the ends of the grid, as far as it changes the functions
       key.push_back(std::min<std::int64_t>(ijk[d], p[d] - 1) * 16 +
                     std::min<std::int64_t>(extent[d] - 1 - ijk[d], p[d] - 1));
     if (replaces_points(model, a, interior)) return; // the same points in all of them

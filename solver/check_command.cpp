@@ -1,5 +1,4 @@
 // igasolve check: every problem of a model file in full, the first one of a results file.
-#include "format/io/h5_file.hpp"
 #include "format/io/json_text.hpp"
 #include "format/io/results_io.hpp"
 #include "format/io/trimmed_model_io.hpp"
@@ -14,14 +13,9 @@ namespace iga::solve {
 
 namespace {
 
-bool holds_results(const std::filesystem::path& file) {
-  const io::H5Reader reader(file);
-  return reader.has_attribute("/", "format") && reader.text("/", "format") == "iga-trimmed-solid-results";
-}
-
-void check_model(const std::filesystem::path& file, std::vector<std::string>& problems,
-                 std::vector<std::string>& notes) {
-  const TrimmedModel model = io::load_model(file);
+Provenance check_model(const std::filesystem::path& file, std::vector<std::string>& problems,
+                       std::vector<std::string>& notes) {
+  TrimmedModel model = io::load_model(file);
   problems = check(model);
   if (model.surface.accepted_leak > 0)
     notes.push_back(
@@ -31,17 +25,19 @@ void check_model(const std::filesystem::path& file, std::vector<std::string>& pr
   else if (problems.empty())
     if (const std::string outside = describe(find_points_outside(model), model); !outside.empty())
       problems.push_back(outside);
+  return std::move(model.provenance);
 }
 
 } // namespace
 
 int run_check(const ModelCommand& command) {
   std::vector<std::string> problems, notes;
+  Provenance provenance;
   try {
-    if (holds_results(command.model))
-      io::read_results(command.model); // refuses what is wrong
+    if (io::holds_results(command.model))
+      provenance = io::read_results(command.model).header.provenance; // refuses what is wrong
     else
-      check_model(command.model, problems, notes);
+      provenance = check_model(command.model, problems, notes);
   } catch (const FormatError& error) {
     problems.push_back(error.what());
   }
@@ -49,12 +45,18 @@ int run_check(const ModelCommand& command) {
   if (command.style == ReportStyle::Json) {
     io::JsonObject report;
     report.add("file", file).add("sound", problems.empty()).add("problems", problems).add("notes", notes);
+    report.add("findings", provenance.findings).add("warnings", provenance.warnings);
     fmt::print("{}\n", report.text());
   } else {
     for (const auto& problem : problems)
       fmt::print(stderr, "{}{}\n", problem.starts_with(file) ? "" : file + ": ", problem);
     if (command.style == ReportStyle::Text) {
-      for (const auto& note : notes) fmt::print("{}: note: {}\n", file, note);
+      const auto list = [&](const char* kind, const std::vector<std::string>& texts) {
+        for (const auto& text : texts) fmt::print("{}: {}: {}\n", file, kind, text);
+      };
+      list("note", notes);
+      list("finding", provenance.findings);
+      list("warning", provenance.warnings);
       if (problems.empty()) fmt::print("{}: sound\n", file);
     }
   }

@@ -18,6 +18,7 @@ const char* const footer = R"(Examples:
   igasolve timestep part.h5 --E 210 --nu 0.3 --rho 7.8e-6
   igasolve static run.toml -o static.h5
   igasolve explicit impact.toml -o impact.h5             impact and crush; igasolve explicit --help shows a run file
+  igasolve export modes.h5 --csv                         frequencies, series, probes, fields as tables
 
 Exit codes: 0 done, 1 fault of the program, 2 input, usage or file access, 3 a file breaks the schema, 4 a method did not
 reach its tolerance or a run blew up, 130 and 143 interrupted (no file is changed; explicit runs leave their results so
@@ -131,6 +132,29 @@ CLI::App* add_explicit(CLI::App& app, Raw& raw, ExplicitCommand& c) {
   return sub;
 }
 
+CLI::App* add_export(CLI::App& app, Raw& raw, ExportCommand& c) {
+  CLI::App* sub = app.add_subcommand("export", "Write tables of a results file or a model as text files (CSV)");
+  sub->add_option("file", raw.file, "Results file of igasolve, or model file of igaprep")
+      ->type_name("FILE")
+      ->required();
+  sub->add_flag("--csv", c.csv, "Comma-separated values, one header line with names and units");
+  sub->add_option("-o,--output", c.output, "Folder for all tables, or FILE.csv for one [FILE_csv]")->type_name("PATH");
+  sub->add_option("--table", c.table, "Write this table alone")->type_name("NAME");
+  sub->add_flag("--force", c.force, "Replace existing files");
+  auto* json = sub->add_flag("--json", raw.json, "Print the list of files as one JSON object");
+  sub->add_flag("--quiet", raw.quiet, "Print errors only")->excludes(json);
+  sub->footer(R"(Tables:
+  eigen      frequencies, surface, triangles
+  static     reactions, loads, probes, points, surface, triangles
+  explicit   energy, contact_NAME, body_NAME, rigid_NAME, support_NAME, surface_NAME_STEP, triangles_NAME
+  model      points, surface_points, spans, functions
+
+Examples:
+  igasolve export modes.h5 --csv                         all tables, into the folder modes_csv
+  igasolve export modes.h5 --csv -o frequencies.csv      the first table, or the one that --table names)");
+  return sub;
+}
+
 // The file is a run file or the model itself.
 void settle_file(const Raw& raw, AnalysisCommand& c) {
   const TypedRun flags = c.typed;
@@ -170,6 +194,8 @@ std::optional<Command> parse_command_line(int argc, const char* const* argv) {
   add_mass(*timestep, analysis.typed, "lumped");
   CLI::App* statics = add_analysis(app, "static", "Displacements and stresses under loads and supports", raw, analysis);
   add_results(*statics, analysis.typed);
+  ExportCommand tables;
+  CLI::App* export_app = add_export(app, raw, tables);
   ExplicitCommand dynamics;
   CLI::App* explicit_app = add_explicit(app, raw, dynamics);
   try {
@@ -185,6 +211,11 @@ std::optional<Command> parse_command_line(int argc, const char* const* argv) {
   const ReportStyle style = raw.json ? ReportStyle::Json : raw.quiet ? ReportStyle::Quiet : ReportStyle::Text;
   if (*info) return InfoCommand{{raw.file, style}};
   if (*check) return CheckCommand{{raw.file, style}};
+  if (*export_app) {
+    tables.style = style;
+    tables.file = raw.file;
+    return tables;
+  }
   if (*explicit_app) {
     dynamics.style = style;
     dynamics.run_file = raw.file;

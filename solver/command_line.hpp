@@ -23,7 +23,7 @@ struct AnalysisCommand {
 
 struct InfoCommand : ModelCommand {};
 struct CheckCommand : ModelCommand {};
-using Command = std::variant<InfoCommand, CheckCommand, AnalysisCommand, ExplicitCommand>;
+using Command = std::variant<InfoCommand, CheckCommand, ExportCommand, AnalysisCommand, ExplicitCommand>;
 
 /// @returns nothing where --help or --version has been answered
 /// @throws InputError for a usage error or a run file that cannot be read

@@ -4,6 +4,8 @@
 #include "format/io/run_tool.hpp"
 
 #include <filesystem>
+#include <optional>
+#include <string>
 
 namespace iga::solve {
 
@@ -16,6 +18,17 @@ struct ModelCommand {
   std::filesystem::path model;
   ReportStyle style = ReportStyle::Text;
 };
+
+struct ExportCommand {
+  std::filesystem::path file;       ///< results or model
+  std::filesystem::path output;     ///< folder, or a file that ends with .csv; empty: FILE_csv beside the file
+  std::optional<std::string> table; ///< this one alone
+  bool csv = false, force = false;
+  ReportStyle style = ReportStyle::Text;
+};
+
+/// Writes tables of a results file or a model as CSV files. @throws InputError, FormatError
+int run_export(const ExportCommand& command);
 
 /// Prints what a sound model file holds. @throws InputError, FormatError
 int run_info(const ModelCommand& command);

@@ -69,10 +69,10 @@ std::string modes_text(const AnalysisRun& run, const EigenOutcome& outcome) {
   report.line("modes", "{} rigid, {} elastic{}", modes.rigid, modes.elastic,
               modes.mechanisms ? fmt::format(", {} mechanisms (no stiffness, no rigid motion)", modes.mechanisms) : "");
   if (modes.sturm)
-    report.line("complete", "{} modes lie below {:.6g} by a Sturm count, {} were found", modes.sturm->expected,
-                std::sqrt(std::max(modes.sturm->shift, 0.0)) / two_pi, modes.sturm->found);
+    report.line("complete", "{} modes of this model lie below {:.6g} by a Sturm count, {} were found",
+                modes.sturm->expected, std::sqrt(std::max(modes.sturm->shift, 0.0)) / two_pi, modes.sturm->found);
   else if (modes.searched_again)
-    report.line("complete", "a second search found no other mode (no proof; --sturm gives one)");
+    report.line("complete", "a second search found no other mode of this model (no proof; --sturm gives one)");
   report.row("");
   report.row("{:>6}  {:>16}  {:<9}  {:>8}", "mode", "frequency", "kind", "residual");
   for (Eigen::Index m = 0; m < modes.lambda.size(); ++m)
@@ -159,7 +159,7 @@ std::string timestep_json(const AnalysisRun& run, const TimestepOutcome& t) {
 
 void take(AnalysisRun& run, const Timings& timings, const std::vector<std::string>& warnings) {
   run.timings.insert(run.timings.end(), timings.begin(), timings.end());
-  run.warnings.insert(run.warnings.end(), warnings.begin(), warnings.end());
+  warn(run, warnings);
 }
 
 } // namespace
@@ -167,6 +167,7 @@ void take(AnalysisRun& run, const Timings& timings, const std::vector<std::strin
 int eigen_command(AnalysisRun& run) {
   const EigenOutcome outcome = analyse_modes(run.settings, run.settings.eigen, run.model);
   take(run, outcome.timings, outcome.warnings);
+  warn_of_joined_bodies(run, *outcome.space);
   if (!run.settings.output.empty() && !run.settings.eigen.largest) write_outputs(run, mode_results(run, outcome));
   const bool json = run.command.style == ReportStyle::Json;
   if (run.settings.eigen.largest)
@@ -179,6 +180,7 @@ int eigen_command(AnalysisRun& run) {
 int timestep_command(AnalysisRun& run) {
   const TimestepOutcome outcome = analyse_timestep(run.settings, run.model);
   take(run, outcome.timings, outcome.warnings);
+  warn_of_joined_bodies(run, *outcome.space);
   print_report(run, run.command.style == ReportStyle::Json ? timestep_json(run, outcome) : timestep_text(run, outcome));
   return io::exit_done;
 }

@@ -54,6 +54,7 @@ std::string text_report(const std::filesystem::path& file, const TrimmedModel& m
   line("settings", "sha256 {}", p.settings_sha256);
   for (const auto& [stage, seconds] : p.timings) line("timing", "{}: {:.3f} s", stage, seconds);
   for (const auto& finding : p.findings) line("finding", "{}", finding);
+  for (const auto& warning : p.warnings) line("warning", "{}", warning);
   return fmt::to_string(buffer);
 }
 
@@ -70,7 +71,8 @@ JsonObject provenance_object(const Provenance& p) {
   object.add("inputs", inputs)
       .add("settings_sha256", p.settings_sha256)
       .add("timings", timings)
-      .add("findings", p.findings);
+      .add("findings", p.findings)
+      .add("warnings", p.warnings);
   return object;
 }
 
@@ -110,6 +112,7 @@ std::string json_report(const std::filesystem::path& file, const TrimmedModel& m
       .add("functions", functions)
       .add("surface", surface);
   report.add("provenance", provenance_object(m.provenance));
+  report.add("findings", m.provenance.findings).add("warnings", m.provenance.warnings);
   return report.text() + "\n";
 }
 

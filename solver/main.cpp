@@ -12,6 +12,7 @@ int run(int argc, const char* const* argv) {
   if (const auto* info = std::get_if<InfoCommand>(&*command)) return run_info(*info);
   if (const auto* check = std::get_if<CheckCommand>(&*command)) return run_check(*check);
   iga::io::install_signal_handlers();
+  if (const auto* tables = std::get_if<ExportCommand>(&*command)) return run_export(*tables);
   if (const auto* run = std::get_if<ExplicitCommand>(&*command)) return run_explicit(*run);
   return run_analysis(std::get<AnalysisCommand>(*command));
 }

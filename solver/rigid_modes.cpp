@@ -22,14 +22,37 @@ constexpr double free_energy = 1e-10;
 // A motion that moves a constrained value by less than this share of what it moves unknowns is not constrained.
 constexpr double free_constraint = 1e-9;
 
-std::int32_t root(std::vector<std::int32_t>& parent, std::int32_t i) {
-  while (parent[static_cast<std::size_t>(i)] != i) {
-    auto& up = parent[static_cast<std::size_t>(i)];
-    up = parent[static_cast<std::size_t>(up)];
-    i = up;
+// Nodes that are joined pair by pair.
+class Joined {
+ public:
+  explicit Joined(std::int64_t nodes) : parent_(static_cast<std::size_t>(nodes)) {
+    std::iota(parent_.begin(), parent_.end(), 0);
   }
-  return i;
-}
+  void join(std::int32_t i, std::int32_t j) {
+    const std::int32_t a = root(i), b = root(j);
+    parent_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+  }
+  Bodies bodies() {
+    Bodies bodies;
+    bodies.of_node.resize(parent_.size());
+    for (std::size_t j = 0; j < parent_.size(); ++j) {
+      const auto first = static_cast<std::size_t>(root(static_cast<std::int32_t>(j)));
+      bodies.of_node[j] = first == j ? static_cast<std::int32_t>(bodies.count++) : bodies.of_node[first];
+    }
+    return bodies;
+  }
+
+ private:
+  std::int32_t root(std::int32_t i) {
+    while (parent_[static_cast<std::size_t>(i)] != i) {
+      auto& up = parent_[static_cast<std::size_t>(i)];
+      up = parent_[static_cast<std::size_t>(up)];
+      i = up;
+    }
+    return i;
+  }
+  std::vector<std::int32_t> parent_;
+};
 
 // An M-orthonormal basis of the span of V; directions without mass are dropped.
 MatrixXd orthonormal(const MatrixXd& V, const MatrixXd& MV) {
@@ -62,22 +85,19 @@ MatrixXd unconstrained(const MatrixXd& V, const ConstraintMatrix* C) {
 } // namespace
 
 Bodies separate_bodies(const NodePattern& pattern) {
-  const auto n = static_cast<std::size_t>(pattern.num_nodes());
-  std::vector<std::int32_t> parent(n);
-  std::iota(parent.begin(), parent.end(), 0);
-  for (std::size_t j = 0; j < n; ++j)
+  Joined joined(pattern.num_nodes());
+  for (std::size_t j = 0; j < static_cast<std::size_t>(pattern.num_nodes()); ++j)
     for (auto k = static_cast<std::size_t>(pattern.offsets[j]); k < static_cast<std::size_t>(pattern.offsets[j + 1]);
-         ++k) {
-      const std::int32_t a = root(parent, static_cast<std::int32_t>(j)), b = root(parent, pattern.rows[k]);
-      parent[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
-    }
-  Bodies bodies;
-  bodies.of_node.resize(n);
-  for (std::size_t j = 0; j < n; ++j) {
-    const auto first = static_cast<std::size_t>(root(parent, static_cast<std::int32_t>(j)));
-    bodies.of_node[j] = first == j ? static_cast<std::int32_t>(bodies.count++) : bodies.of_node[first];
-  }
-  return bodies;
+         ++k)
+      joined.join(static_cast<std::int32_t>(j), pattern.rows[k]);
+  return joined.bodies();
+}
+
+Bodies separate_bodies(const SolutionSpace& space) {
+  Joined joined(space.num_nodes());
+  for (std::int64_t a = 0; a < space.num_spans(); ++a)
+    for (const std::int32_t node : space.nodes(a)) joined.join(space.nodes(a).front(), node);
+  return joined.bodies();
 }
 
 MatrixXd rigid_motions(const SolutionSpace& space, const Bodies& bodies) {

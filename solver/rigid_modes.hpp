@@ -11,6 +11,7 @@ struct Bodies {
   std::vector<std::int32_t> of_node; ///< (num_nodes), numbered by their first node
 };
 Bodies separate_bodies(const NodePattern& pattern);
+Bodies separate_bodies(const SolutionSpace& space);
 
 /// Six columns per body: translations along and rotations about the axes through the middle of its nodes.
 /// (num_unknowns × 6 bodies)

@@ -5,6 +5,7 @@
 #include "format/model/errors.hpp"
 #include "solver/analysis_report.hpp"
 #include "solver/blas_threads.hpp"
+#include "solver/model_notes.hpp"
 #include "solver/stopwatch.hpp"
 
 #include <tbb/global_control.h>
@@ -37,6 +38,8 @@ int run_analysis(const AnalysisCommand& command) {
     watch.stage("read");
   }
   check_units(run.settings, run.model);
+  warn(run, prefixed(run.settings.model.filename().string(),
+                     model_warnings(run.model, command.typed.rho ? &run.settings.material : nullptr)));
   switch (command.analysis) {
   case Analysis::Eigen:
     return eigen_command(run);

@@ -45,7 +45,7 @@ ElasticMaterial material_of(const TypedRun& typed, Analysis analysis) {
       throw InputError(fmt::format("material: the density is missing, but load '{}' is an acceleration; give --rho or "
                                    "rho in [material]",
                                    load.name));
-  const double rho = typed.rho.value_or(1); // statics do not feel it
+  const double rho = typed.rho.value_or(1); // statics do not use it
   if (typed.C) {
     if (typed.E || typed.nu) throw InputError("material: give either C or E and nu, not both");
     return anisotropic(voigt_matrix(*typed.C), rho);

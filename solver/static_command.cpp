@@ -37,7 +37,8 @@ std::string text_report(const AnalysisRun& run, const SolutionSpace& space, cons
 
 int static_command(AnalysisRun& run) {
   const SolutionSpace space(run.model, run.settings.light);
-  run.warnings = space.warnings();
+  warn(run, space.warnings());
+  warn_of_joined_bodies(run, space);
   StaticSolution solution = run_static(run.settings, run.settings.statics, space);
   run.timings.insert(run.timings.end(), solution.timings.begin(), solution.timings.end());
   const std::string report =

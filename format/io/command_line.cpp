@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace iga::io {
 
@@ -21,14 +22,28 @@ std::string quoted(const std::string& word) {
 } // namespace
 
 void refuse_usage(const CLI::App& app, const CLI::ParseError& error, const std::string& tool) {
+  const auto advised = [](const std::string& word, const std::vector<std::string>& known) {
+    const auto near = nearest_name(word, known);
+    return near ? fmt::format("; did you mean {}?", *near) : std::string();
+  };
   std::string text = error.what();
-  std::vector<std::string> flags;
-  for (const CLI::Option* option : app.get_options())
-    for (const std::string& name : option->get_lnames()) flags.push_back("--" + name);
-  for (const std::string& word : app.remaining())
+  const std::vector<std::string> unknown = app.remaining();
+  const bool one_missing = dynamic_cast<const CLI::RequiredError*>(&error),
+             too_many = dynamic_cast<const CLI::ExtrasError*>(&error);
+  if (!unknown.empty() && (one_missing || too_many)) { // what is wrong comes before what is missing
+    const std::string word = unknown.front().substr(0, unknown.front().find('='));
+    std::vector<std::string> flags, commands;
+    for (const CLI::Option* option : app.get_options())
+      for (const std::string& name : option->get_lnames()) flags.push_back("--" + name);
+    for (const CLI::App* command : app.get_subcommands({})) commands.push_back(command->get_name());
     if (word.starts_with("-"))
-      if (const auto near = nearest_name(word.substr(0, word.find('=')), flags))
-        text += fmt::format("; did you mean {}?", *near);
+      text = fmt::format("unknown option {}{}", word, advised(word, flags));
+    else if (!commands.empty() && app.get_subcommands().empty())
+      text = fmt::format("unknown command {}{}; commands are {}", word, advised(word, commands),
+                         fmt::join(commands, ", "));
+    else
+      text = fmt::format("{} is one argument too many", word);
+  }
   throw InputError(fmt::format("{} (see {} --help)", text, tool));
 }
 

@@ -9,7 +9,7 @@
 namespace iga::io::names {
 
 constexpr const char* format = "iga-trimmed-solid";
-constexpr const char* format_version = "1.0";
+constexpr const char* format_version = "1.1";
 constexpr int format_major = 1;
 
 constexpr std::array<EnumName, 3> states{{{"EXTERIOR", 0}, {"INTERIOR", 1}, {"TRIMMED", 2}}};
@@ -84,5 +84,7 @@ constexpr DatasetText timing_stages{"/provenance/timing_stages", "1", "in the or
 constexpr DatasetText timing_seconds{"/provenance/timing_seconds", "s", "(stage)", "wall-clock time of each stage"};
 constexpr DatasetText findings{"/provenance/findings", "1", "in the order they were made",
                                "what was found wrong and what was done about it"};
+constexpr DatasetText warnings{"/provenance/warnings", "1", "in the order they were made",
+                               "what may make results wrong or inaccurate"};
 
 } // namespace iga::io::names

@@ -38,6 +38,31 @@ class BodyGroup {
   std::string group_;
 };
 
+// The same datasets for reading.
+class BodyData {
+ public:
+  BodyData(const H5Reader& file, const std::string& name)
+      : file_(file), group_(fmt::format("{}/{}", field::bodies, name)) {}
+  bool has(const DatasetText& text) const { return file_.has(path_of(text)); }
+  std::int64_t rows(const DatasetText& text, std::size_t rank = 1) const {
+    return file_.shape(path_of(text).c_str(), rank)[0];
+  }
+  template <class T> std::vector<T> read(const DatasetText& text, std::int64_t rows, std::int64_t columns = 1) const {
+    return file_.dataset<T>(path_of(text).c_str(), columns == 1 ? Shape{rows} : Shape{rows, columns});
+  }
+  std::vector<std::string> texts(const DatasetText& text) const { return file_.strings(path_of(text).c_str()); }
+  template <class T> void expect_below(const DatasetText& text, const std::vector<T>& values, std::int64_t end) const {
+    for (const T value : values)
+      if (value < 0 || static_cast<std::int64_t>(value) >= end)
+        file_.refuse(path_of(text), fmt::format("holds {}, expected 0 ... {}", value, end - 1));
+  }
+
+ private:
+  std::string path_of(const DatasetText& text) const { return fmt::format("{}/{}", group_, text.path); }
+  const H5Reader& file_;
+  std::string group_;
+};
+
 void write_head(H5Writer& file) {
   file.attribute(names::root, "format", std::string(field::format));
   file.attribute(names::root, "format_version", std::string(field::format_version));
@@ -77,6 +102,57 @@ void write_fields(const std::filesystem::path& path, double time, const std::vec
     if (!body.point_plastic_strain.empty()) group.add(field::point_plastic_strain, body.point_plastic_strain);
   }
   file.commit();
+}
+
+std::vector<BodyMesh> read_body_meshes(const std::filesystem::path& path, const std::vector<std::string>& names) {
+  const H5Reader file(path);
+  expect_format(file, field::format, field::format_major, field::format_version);
+  std::vector<BodyMesh> bodies;
+  for (const std::string& name : names) {
+    const BodyData data(file, name);
+    BodyMesh body;
+    body.name = name;
+    TriangleMesh& mesh = body.surface.mesh;
+    body.active_functions = data.read<std::int64_t>(field::active_functions, data.rows(field::active_functions));
+    const std::int64_t vertices = data.rows(field::vertices, 2), triangles = data.rows(field::triangles, 2);
+    mesh.vertices = in_rows<Point3>(data.read<double>(field::vertices, vertices, 3));
+    body.surface.parameters = data.read<double>(field::vertex_parameters, vertices, 3);
+    body.surface.span = data.read<std::int64_t>(field::vertex_span, vertices);
+    const auto corners = data.read<std::int32_t>(field::triangles, triangles, 3);
+    data.expect_below(field::triangles, corners, vertices);
+    mesh.triangles = in_rows<Triangle>(corners);
+    mesh.region = data.read<std::int32_t>(field::region, triangles);
+    mesh.region_names = data.texts(field::regions);
+    data.expect_below(field::region, mesh.region, static_cast<std::int64_t>(mesh.region_names.size()));
+    bodies.push_back(std::move(body));
+  }
+  return bodies;
+}
+
+std::vector<BodyFields> read_fields(const std::filesystem::path& path, const std::vector<BodyMesh>& meshes) {
+  const H5Reader file(path);
+  expect_format(file, field::format, field::format_major, field::format_version);
+  std::vector<BodyFields> bodies;
+  for (const BodyMesh& mesh : meshes) {
+    const BodyData data(file, mesh.name);
+    const auto vertices = static_cast<std::int64_t>(mesh.surface.mesh.vertices.size());
+    const auto optional = [&](const DatasetText& text, std::int64_t columns = 1) {
+      return data.has(text) ? data.read<double>(text, data.rows(text, columns == 1 ? 1 : 2), columns)
+                            : std::vector<double>();
+    };
+    BodyFields body;
+    body.name = mesh.name;
+    body.coefficients =
+        data.read<double>(field::coefficients, static_cast<std::int64_t>(mesh.active_functions.size()), 3);
+    body.displacement = data.read<double>(field::displacement, vertices, 3);
+    body.von_mises = data.read<double>(field::von_mises, vertices);
+    body.strain = data.read<double>(field::strain, vertices);
+    if (data.has(field::plastic_strain)) body.plastic_strain = data.read<double>(field::plastic_strain, vertices);
+    body.point_stress = optional(field::point_stress, 6);
+    body.point_plastic_strain = optional(field::point_plastic_strain);
+    bodies.push_back(std::move(body));
+  }
+  return bodies;
 }
 
 } // namespace iga::io

@@ -15,4 +15,10 @@ void write_body_meshes(const std::filesystem::path& path, const std::vector<Body
 /// Fields of all bodies at one time, likewise.
 void write_fields(const std::filesystem::path& path, double time, const std::vector<BodyFields>& bodies);
 
+/// Reads back what write_body_meshes wrote: the bodies of these names, in their order.
+/// @throws InputError for a missing file, FormatError naming file, path, what was found and what was expected
+std::vector<BodyMesh> read_body_meshes(const std::filesystem::path& path, const std::vector<std::string>& names);
+/// The same of write_fields; `meshes` as read.
+std::vector<BodyFields> read_fields(const std::filesystem::path& path, const std::vector<BodyMesh>& meshes);
+
 } // namespace iga::io

@@ -7,6 +7,7 @@
 namespace iga::io::field_names {
 
 constexpr const char* format = "iga-trimmed-solid-fields";
+constexpr int format_major = 1;
 constexpr const char* format_version = "1.0";
 constexpr const char* bodies = "/bodies";
 

@@ -42,6 +42,7 @@ void write_provenance(H5Writer& file, const Provenance& p) {
   file.strings(names::timing_stages, stages);
   write(file, names::timing_seconds, seconds);
   file.strings(names::findings, p.findings);
+  file.strings(names::warnings, p.warnings);
 }
 
 Provenance read_provenance(const H5Reader& file) {
@@ -72,6 +73,7 @@ Provenance read_provenance(const H5Reader& file) {
     for (std::size_t i = 0; i < stages.size(); ++i) p.timings.emplace_back(stages[i], seconds[i]);
   }
   if (file.has(names::findings.path)) p.findings = file.strings(names::findings.path);
+  if (file.has(names::warnings.path)) p.warnings = file.strings(names::warnings.path);
   return p;
 }
 

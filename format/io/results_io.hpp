@@ -15,6 +15,9 @@ void check_results_target(const std::filesystem::path& path, bool force);
 /// @throws InputError as check_results_target, and with the system's reason (no permission, full disk)
 void write_results(const std::filesystem::path& path, const Results& results, bool force);
 
+/// Does the file call itself a results file? @throws InputError, FormatError for one that is missing or no HDF5 file
+bool holds_results(const std::filesystem::path& path);
+
 /// Reads a file and checks shapes, finite numbers and indices.
 /// @throws InputError for a missing file
 /// @throws FormatError naming file, path, what was found and what was expected

@@ -233,6 +233,7 @@ Results load(const H5Reader& file) {
   expect_format(file, result::format, result::format_major, result::format_version);
   Results r;
   r.header = read_header(file);
+  r.header.provenance = read_provenance(file);
   const std::int64_t num_functions = rows_of(file, result::active_functions);
   r.active_functions = read<std::int64_t>(file, result::active_functions, num_functions);
   expect_ascending(file, result::active_functions, r.active_functions);
@@ -253,6 +254,11 @@ Results load(const H5Reader& file) {
 }
 
 } // namespace
+
+bool holds_results(const std::filesystem::path& path) {
+  const H5Reader file(path);
+  return file.has_attribute(names::root, "format") && file.text(names::root, "format") == result::format;
+}
 
 Results read_results(const std::filesystem::path& path) {
   const H5Reader file(path);

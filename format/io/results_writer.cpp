@@ -1,5 +1,6 @@
 #include "format/io/dataset_names.hpp"
 #include "format/io/h5_arrays.hpp"
+#include "format/io/output_ending.hpp"
 #include "format/io/provenance_io.hpp"
 #include "format/io/result_names.hpp"
 #include "format/io/results_io.hpp"
@@ -176,6 +177,7 @@ void write_surface(H5Writer& file, const SurfaceResult& s) {
 } // namespace
 
 void check_results_target(const std::filesystem::path& path, bool force) {
+  refuse_foreign_ending(path);
   std::error_code error;
   if (!force && std::filesystem::exists(path, error))
     throw InputError(fmt::format("{}: exists; choose another name or add --force to replace it", path.string()));

@@ -1,4 +1,4 @@
-// What the parts of check(TrimmedModel) share: the list of problems, careful sums and the bounds they are judged by.
+// What the parts of check(TrimmedModel) share: the list of problems, careful sums and the bounds they must keep.
 #pragma once
 
 #include "format/model/trimmed_model.hpp"

@@ -24,7 +24,7 @@ struct ResultsHeader {
   std::int64_t unknowns = 0;           ///< of the system that was solved, supports by multipliers not counted
   double density = 0;                  ///< mass/length³
   std::array<double, 36> stiffness{}; ///< C of σ = C ε, row-major; xx yy zz xy yz zx, engineering shear; force/length²
-  Provenance provenance;              ///< inputs: the model, then the run file; findings: warnings
+  Provenance provenance; ///< inputs: the model, then the run file; findings of the model, warnings of model and run
 };
 
 /// What fields are at given points, for one or more steps (modes, load cases, times). Each array is

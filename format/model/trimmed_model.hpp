@@ -73,7 +73,8 @@ struct Provenance {
   std::string settings_sha256;                         ///< of the settings that affect data, in canonical form
   std::string created;                                 ///< UTC, ISO 8601
   std::vector<std::pair<std::string, double>> timings; ///< stage name, seconds
-  std::vector<std::string> findings; ///< what was found wrong with the surface and what was done, one line each
+  std::vector<std::string> findings; ///< what was found and mended, or is worth knowing; one entry each
+  std::vector<std::string> warnings; ///< what may make results wrong or inaccurate: every analysis repeats it
 };
 
 /// One part in its grid. Active spans are the INTERIOR and TRIMMED ones in ascending linear number.

@@ -114,7 +114,8 @@ int run_explicit(const ExplicitCommand& command) {
   SeriesRecorder recorder(scene);
   RunOutputs outputs(scene, output, head_of(command, scene, inputs));
   ExplicitLoop loop({scene, recorder, outputs, progress, inputs});
-  outputs.header().provenance.findings = warnings;
+  outputs.header().provenance.findings = scene.findings();
+  outputs.header().provenance.warnings = warnings;
   if (restart) {
     Results before = io::read_results(output);
     if (!before.time_series || !before.fields)
@@ -149,7 +150,7 @@ int run_explicit(const ExplicitCommand& command) {
   }
   watch.stage("stepping");
   warnings.insert(warnings.end(), loop.warnings().begin(), loop.warnings().end());
-  outputs.header().provenance.findings = warnings;
+  outputs.header().provenance.warnings = warnings;
   outputs.header().provenance.timings = timings;
   outputs.publish(recorder.series());
   remove_restart(output);

@@ -111,6 +111,8 @@ std::string explicit_text(const ExplicitOutcome& o) {
     total += seconds;
   }
   report.line("time", "{:.2f} s ({}), peak memory {:.0f} MiB", total, stages, peak_memory_mib());
+  report.lines("model says", o.scene.findings());
+  report.lines("warning", o.warnings);
   return report.text();
 }
 
@@ -152,7 +154,7 @@ std::string explicit_json(const ExplicitOutcome& o) {
   report.add("time_step", step_json(o));
   report.add("contacts", contacts).add("output", o.outputs.path().string()).add("outputs", o.recorder.num_rows());
   report.add("fields", o.outputs.num_fields()).add("timings", timings).add("peak_memory_mib", peak_memory_mib());
-  report.add("warnings", o.warnings);
+  report.add("warnings", o.warnings).add("findings", o.scene.findings());
   return report.text();
 }
 

@@ -7,6 +7,7 @@
 #include "format/model/vec3.hpp"
 #include "solver/explicit/contact/contact_surface.hpp"
 #include "solver/explicit/rotational_inertia.hpp"
+#include "solver/model_notes.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -82,8 +83,15 @@ void ExplicitScene::add_bodies() {
     });
     if (body.velocity != Point3{} || body.spin != Point3{})
       bodies_.back()->set_rigid_velocity(body.velocity, body.spin, body.centre ? *body.centre : centre_of_mass(model));
-    for (const std::string& warning : bodies_.back()->space().warnings())
-      warnings_.push_back(fmt::format("body '{}': {}", body.body.name, warning));
+    const std::string subject = fmt::format("body '{}'", body.body.name);
+    const auto add = [&](std::vector<std::string>& to, const std::vector<std::string>& texts) {
+      const auto named = prefixed(subject, texts);
+      to.insert(to.end(), named.begin(), named.end());
+    };
+    add(findings_, model.provenance.findings);
+    add(warnings_, model_warnings(model, &bodies_.back()->small_strain()));
+    add(warnings_, bodies_.back()->space().warnings());
+    if (const auto warning = joined_bodies_warning(bodies_.back()->space())) add(warnings_, {*warning});
   }
 }
 

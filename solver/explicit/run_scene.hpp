@@ -35,6 +35,8 @@ class ExplicitScene {
   const std::vector<std::unique_ptr<RegionDrive>>& supports() const { return supports_; }
   const std::vector<LoadReport>& loads() const { return load_reports_; }
   const std::vector<std::string>& warnings() const { return warnings_; }
+  /// What the models say of themselves beside their warnings; each names its body.
+  const std::vector<std::string>& findings() const { return findings_; }
 
  private:
   void add_bodies();
@@ -58,7 +60,7 @@ class ExplicitScene {
   std::unique_ptr<ContactModel> contact_;
   std::vector<StartStep> limits_;
   std::unique_ptr<Integrator> integrator_;
-  std::vector<std::string> warnings_;
+  std::vector<std::string> findings_, warnings_;
 };
 
 } // namespace iga::solve

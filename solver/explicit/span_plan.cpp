@@ -23,7 +23,7 @@ class PolynomialList {
     std::array<std::int32_t, 3> numbers{};
     for (std::size_t d = 0; d < 3; ++d) {
       const KnotVector& knots = grid_.knots(static_cast<int>(d));
-      // Distance from the ends as far as functions feel it.
+      // Distance from the ends as far as it changes the functions.
       const std::int64_t far = knots.degree() - 1;
       const std::array<std::int64_t, 3> key{static_cast<std::int64_t>(d), std::min(span[d], far),
                                             std::min(knots.num_spans() - 1 - span[d], far)};

@@ -22,7 +22,7 @@ class SchemaTest(SchemaCases, unittest.TestCase):
     schema = iga_model.SCHEMA
     readme = README
     together = ("/provenance/timing_seconds",)  # belongs to timing_stages
-    lists = ("/surface/regions", "/provenance/timing_stages", "/provenance/findings")
+    lists = ("/surface/regions", "/provenance/timing_stages", "/provenance/findings", "/provenance/warnings")
 
     @classmethod
     def setUpClass(cls):

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """From a model to results: files of igasolve obey their schema and hold what closed forms say.
 usage: igasolve_results_test.py SOURCE_DIR WRITE_SYNTHETIC_MODEL IGASOLVE"""
+import csv
 import hashlib
 import os
 import subprocess
@@ -175,6 +176,104 @@ class IgasolveResults(unittest.TestCase):
         code, text, errors = self.solve("check", self.modes)
         self.assertEqual(code, 0, errors)
         self.assertIn("sound", text)
+
+    def table(self, path):
+        """Names of the columns without units, their units, and the rows of a CSV file."""
+        with open(path, newline="", encoding="utf-8") as file:
+            head, *rows = csv.reader(file)
+        units = [title.partition(" [")[2].rstrip("]") for title in head]
+        return [title.partition(" [")[0] for title in head], units, rows
+
+    def columns(self, path, *names):
+        head, _, rows = self.table(path)
+        return np.array([[float(row[head.index(name)]) for name in names] for row in rows])
+
+    def export(self, file, *words):
+        folder = self.path / f"{file.stem}_{len(words)}"
+        code, text, errors = self.solve("export", file, "--csv", "-o", folder, *words)
+        self.assertEqual(code, 0, errors)
+        return folder
+
+    def test_tables_of_modes(self):
+        results, folder = iga_results.read(self.modes), self.export(self.modes)
+        self.assertEqual(sorted(file.name for file in folder.iterdir()), ["frequencies.csv", "surface.csv", "triangles.csv"])
+        head, units, rows = self.table(folder / "frequencies.csv")
+        self.assertEqual(head, ["mode", "frequency", "omega_squared", "kind", "residual"])
+        self.assertEqual(units[1:3], ["1/time", "1/time^2"])
+        self.assertEqual([row[3].upper() for row in rows], results.kinds())
+        np.testing.assert_array_equal(self.columns(folder / "frequencies.csv", "frequency")[:, 0], results["/frequencies"])
+        unit = self.table(folder / "surface.csv")[1][2]
+        self.assertEqual(unit, results.attribute("/", "length_unit"))
+        shape = results["/surface/displacement"].shape
+        np.testing.assert_array_equal(
+            self.columns(folder / "surface.csv", "displacement_x", "displacement_y", "displacement_z").reshape(shape),
+            results["/surface/displacement"])
+        np.testing.assert_array_equal(self.columns(folder / "triangles.csv", "vertex_1", "vertex_2", "vertex_3"),
+                                      results["/surface/triangles"])
+        # One table into one file; nothing is replaced unasked.
+        one = self.path / "frequencies_alone.csv"
+        self.assertEqual(self.solve("export", self.modes, "--csv", "-o", one)[0], 0)
+        self.assertEqual(one.read_bytes(), (folder / "frequencies.csv").read_bytes())
+        code, _, errors = self.solve("export", self.modes, "--csv", "-o", one)
+        self.assertEqual(code, 2)
+        self.assertIn("--force", errors)
+
+    def test_tables_of_statics(self):
+        results, folder = iga_results.read(self.pull), self.export(self.pull)
+        for table, group, name, suffixes in (("reactions", "/static/supports", "force", "xyz"),
+                                             ("loads", "/static/loads", "moment", "xyz"),
+                                             ("probes", "/static/probes", "displacement", "xyz"),
+                                             ("points", "/static/points", "position", "xyz"),
+                                             ("points", "/static/points", "stress", ("xx", "yy", "zz", "xy", "yz", "zx"))):
+            found = self.columns(folder / f"{table}.csv", *(f"{name}_{suffix}" for suffix in suffixes))
+            np.testing.assert_array_equal(found, results[f"{group}/{name}"])
+        head, _, rows = self.table(folder / "reactions.csv")
+        self.assertEqual([row[0] for row in rows], results.texts("/static/supports/name"))
+
+    def test_tables_of_a_model(self):
+        folder = self.export(self.path / "box.h5")
+        with h5py.File(self.path / "box.h5") as file:
+            weights = self.columns(folder / "points.csv", "weight")[:, 0]
+            np.testing.assert_array_equal(weights, file["quadrature/weights"])
+            spans = self.columns(folder / "points.csv", "span")[:, 0]
+            np.testing.assert_array_equal(spans, np.repeat(file["spans/active"], np.diff(file["quadrature/offsets"])))
+            np.testing.assert_array_equal(self.columns(folder / "surface_points.csv", "normal_x", "normal_y", "normal_z"),
+                                          file["surface/quadrature/normals"])
+            np.testing.assert_array_equal(self.columns(folder / "functions.csv", "mass_fraction")[:, 0],
+                                          file["functions/mass_fraction"])
+
+    def test_tables_of_an_explicit_run(self):
+        run = self.path / "flight.toml"
+        run.write_text("""
+[[bodies]]
+name = "box, thrown"
+model = "box.h5"
+material = { law = "neo-hookean", E = 50, nu = 0.3, rho = 1e-3 }
+velocity = [1, 2, 3]
+[time]
+end = 0.01
+[output]
+interval = 0.005
+field_interval = 0.01
+""")
+        flight = self.path / "flight.h5"
+        code, _, errors = self.solve("explicit", run, "-o", flight)
+        self.assertEqual(code, 0, errors)
+        folder = self.export(flight)
+        with h5py.File(flight) as file:
+            series = file["time_series"]
+            for name, dataset in (("time", "time"), ("kinetic", "energy/kinetic"), ("energy_error", "energy_error")):
+                np.testing.assert_array_equal(self.columns(folder / "energy.csv", name)[:, 0], series[dataset])
+            np.testing.assert_array_equal(
+                self.columns(folder / "body_box, thrown.csv", "momentum_x", "momentum_y", "momentum_z"),
+                series["body/box, thrown/momentum"])
+            steps = [name.decode() if isinstance(name, bytes) else name for name in file["fields/file"][:]]
+        for step, name in enumerate(steps):
+            with h5py.File(self.path / name) as fields:
+                np.testing.assert_array_equal(
+                    self.columns(folder / f"surface_box, thrown_{step + 1:04d}.csv", "displacement_x", "von_mises"),
+                    np.column_stack([fields["bodies/box, thrown/displacement"][:, 0],
+                                     fields["bodies/box, thrown/von_mises"]]))
 
 
 if __name__ == "__main__":

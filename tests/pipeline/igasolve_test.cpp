@@ -121,6 +121,44 @@ position = [1.3, 1.4, 1.85]
   EXPECT_NEAR(number(r, "statics.probes.0.von_mises"), 2, 1e-7);
 }
 
+// What the synthetic model's provenance holds.
+constexpr const char *model_warning = "a wall is thinner than a span",
+                     *model_finding = "12 duplicate vertices were welded";
+
+TEST_F(Igasolve, RepeatsWarningsAndFindingsOfTheModelBesideEveryResult) {
+  write_bytes(folder / "held.toml", "model = \"cube.h5\"\n[material]\nE = 1\nnu = 0.3\n[[support]]\nwhole_surface = "
+                                    "true\n[[load]]\nbody_force = [0, 0, 1]\n");
+  write_bytes(folder / "flight.toml", "[[bodies]]\nname = \"cube\"\nmodel = \"cube.h5\"\nmaterial = { law = "
+                                      "\"neo-hookean\", E = 1, nu = 0.3, rho = 1e-9 }\n[time]\nend = 1e-4\n[output]\n"
+                                      "interval = 1e-4\n");
+  const std::vector<std::vector<std::string>> commands{{"eigen", "cube.h5", "--modes", "2"},
+                                                       {"eigen", "cube.h5", "--largest"},
+                                                       {"timestep", "cube.h5"},
+                                                       {"static", "held.toml"},
+                                                       {"explicit", "flight.toml", "-o", "flight.h5", "--force"},
+                                                       {"info", "cube.h5"},
+                                                       {"check", "cube.h5"}};
+  for (const auto& command : commands) {
+    const bool with_material = command[0] == "eigen" || command[0] == "timestep";
+    const ProgramRun text = run(command, with_material);
+    EXPECT_EQ(text.exit_code, 0) << text.err;
+    EXPECT_NE(text.out.find(model_warning), std::string::npos) << command[0] << ": " << text.out;
+    EXPECT_NE(text.out.find(model_finding), std::string::npos) << command[0] << ": " << text.out;
+    auto report = json(command, with_material);
+    EXPECT_NE(report["warnings.0"].find(model_warning), std::string::npos) << command[0];
+    EXPECT_NE(report["findings.0"].find(model_finding), std::string::npos) << command[0];
+  }
+}
+
+TEST_F(Igasolve, WarnsOfAMaterialThatFitsNoUnitsOfTheModel) {
+  const auto steel = [&](const char* E, const char* rho) {
+    return run({"eigen", "cube.h5", "--modes", "1", "--E", E, "--nu", "0.3", "--rho", rho}, false).err;
+  };
+  EXPECT_NE(steel("210e9", "7850").find("E = 210000, rho = 7.85e-09 in t, mm, s"), std::string::npos);
+  EXPECT_EQ(steel("210000", "7.85e-9").find("no solid"), std::string::npos);
+  EXPECT_EQ(steel("210", "7.85e-6").find("no solid"), std::string::npos);
+}
+
 struct Case {
   const char* name;
   std::vector<std::string> arguments; // material flags are added unless a run file is given
@@ -168,7 +206,8 @@ TEST_P(IgasolveRefuses, WithItsCodeAndAMessage) {
   const Case& c = GetParam();
   std::vector<std::string> arguments = c.arguments;
   const bool has_run_file = arguments.size() > 1 && arguments[1].ends_with(".toml");
-  if (!has_run_file && arguments.size() > 1 && arguments[0] != "info" && arguments[0] != "check")
+  if (!has_run_file && arguments.size() > 1 && arguments[0] != "info" && arguments[0] != "check" &&
+      arguments[0] != "export")
     for (std::size_t k = 0; k < material.size(); k += 2)
       if (std::find(arguments.begin(), arguments.end(), material[k]) == arguments.end())
         arguments.insert(arguments.end(), {material[k], material[k + 1]});
@@ -188,6 +227,20 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"Missing", {"eigen", "absent.h5"}, 2, {"absent.h5"}},
         Case{"NotAModel", {"eigen", "notes.h5"}, 3, {"notes.h5"}},
         Case{"Truncated", {"eigen", "cut.h5"}, 3, {"cut.h5"}},
+        Case{"UnknownCommand", {"egien", "cube.h5"}, 2, {"egien", "did you mean eigen", "timestep"}},
+        Case{"UnknownCommandWithFlags", {"modal", "cube.h5"}, 2, {"unknown command modal", "export"}},
+        Case{"UnknownFlagOfACommandWithoutFile", {"info", "--jsn"}, 2, {"--jsn", "did you mean --json"}},
+        Case{"TooManyArguments", {"info", "cube.h5", "notes.h5"}, 2, {"notes.h5", "too many"}},
+        Case{"OutputAsTable", {"eigen", "cube.h5", "-o", "modes.csv"}, 2, {"modes.csv", "modes.h5", "igasolve export"}},
+        Case{"OutputForAViewer", {"eigen", "cube.h5", "-o", "modes.VTU"}, 2, {"modes.VTU", "modes.h5", "ParaView"}},
+        Case{"OutputAsReport", {"eigen", "cube.h5", "-o", "modes.json"}, 2, {"modes.json", "--json"}},
+        Case{"ExportWithoutAFormat", {"export", "cube.h5"}, 2, {"--csv"}},
+        Case{"ExportOfAnUnknownTable",
+             {"export", "cube.h5", "--csv", "--table", "point"},
+             2,
+             {"point", "did you mean points"}},
+        Case{"ExportOfNothing", {"export", "absent.h5", "--csv"}, 2, {"absent.h5"}},
+        Case{"ExportOntoAFile", {"export", "cube.h5", "--csv", "-o", "notes.h5"}, 2, {"notes.h5", "folder"}},
         Case{"MissingRunFile", {"eigen", "absent.toml"}, 2, {"absent.toml"}},
         Case{"UnknownFlag", {"eigen", "cube.h5", "--mods", "3"}, 2, {"--mods", "--modes"}},
         Case{"UnknownKey", {"eigen", "unknown.toml"}, 2, {"unknown.toml:7", "mods", "modes"}},

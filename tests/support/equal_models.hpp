@@ -15,6 +15,7 @@ inline void expect_equal(const Provenance& a, const Provenance& b) {
   EXPECT_EQ(a.created, b.created);
   EXPECT_EQ(a.timings, b.timings);
   EXPECT_EQ(a.findings, b.findings);
+  EXPECT_EQ(a.warnings, b.warnings);
   ASSERT_EQ(a.inputs.size(), b.inputs.size());
   for (std::size_t i = 0; i < a.inputs.size(); ++i) {
     EXPECT_EQ(a.inputs[i].name, b.inputs[i].name);

@@ -214,6 +214,7 @@ TrimmedModel make_box_model(const BoxCase& box) {
   m.provenance.created = "2020-01-01T00:00:00Z";
   m.provenance.timings = {{"read", 0.25}, {"trim", 1.5}};
   m.provenance.findings = {"12 duplicate vertices were welded"};
+  m.provenance.warnings = {"a wall is thinner than a span"};
   return m;
 }
 
