@@ -210,7 +210,7 @@ std::optional<CommandLine> parse_command_line(int argc, const char* const* argv)
   if (!raw.file && !flags.input) throw InputError("no surface or settings file is given (see igaprep --help)");
   TypedSettings base;
   if (raw.file && std::filesystem::path(*raw.file).extension() == ".toml")
-    base = read_settings_file(*raw.file);
+    base = read_settings_file(line.settings_file = *raw.file);
   else if (raw.file && flags.input)
     throw InputError(fmt::format("two surfaces are given: {} and --input {}", *raw.file, flags.input->string()));
   else if (raw.file)

@@ -1,6 +1,7 @@
 #include "preprocessor/pipeline.hpp"
 
 #include "format/io/interrupt.hpp"
+#include "format/io/output_claim.hpp"
 #include "format/io/sha256.hpp"
 #include "format/io/trimmed_model_io.hpp"
 #include "format/model/errors.hpp"
@@ -66,8 +67,6 @@ void check_paths(const Settings& s) {
   if (!fs::is_regular_file(s.output))
     throw InputError(
         fmt::format("{}: the output exists and is no ordinary file; choose another name", s.output.string()));
-  if (fs::equivalent(s.input, s.output))
-    throw InputError(fmt::format("{}: the output would replace the input; choose another name", s.output.string()));
 }
 
 // True where the output holds what this run would make; refuses to replace anything else unless forced.
@@ -269,7 +268,12 @@ PrepReport run_pipeline(const Settings& s, const RunInfo& run, io::Progress& pro
   report.input = s.input.string();
   report.output = s.output.string();
   check_paths(s);
+  const io::OutputPlan plan{{s.output}, {}};
+  std::vector<fs::path> inputs{s.input};
+  if (!run.settings_file.empty()) inputs.push_back(run.settings_file);
+  io::refuse_replaced_inputs(plan, inputs);
   if (stands_already(s, run)) return report_standing(s, std::move(report));
+  const io::OutputClaim claim(plan, inputs);
 
   Stages stages(progress);
   ReadMesh read = stages.run("read", [&] { return read_mesh(s.input, s.scale); });

@@ -2,6 +2,7 @@
 
 #include "format/io/results_io.hpp"
 #include "format/io/sha256.hpp"
+#include "format/io/standard_streams.hpp"
 #include "format/io/vtp_writer.hpp"
 #include "solver/model_summary.hpp"
 
@@ -111,8 +112,8 @@ void write_outputs(const AnalysisRun& run, const Results& results) {
 
 void print_report(const AnalysisRun& run, const std::string& report) {
   if (run.command.style == ReportStyle::Quiet) return;
-  for (const std::string& warning : run.warnings) fmt::print(stderr, "igasolve: warning: {}\n", warning);
-  fmt::print("{}{}", report, run.command.style == ReportStyle::Json ? "\n" : "");
+  for (const std::string& warning : run.warnings) io::write_message(fmt::format("igasolve: warning: {}\n", warning));
+  io::write_report(fmt::format("{}{}", report, run.command.style == ReportStyle::Json ? "\n" : ""));
 }
 
 } // namespace iga::solve

@@ -2,12 +2,12 @@
 #include "format/io/h5_file.hpp"
 #include "format/io/json_text.hpp"
 #include "format/io/results_io.hpp"
+#include "format/io/standard_streams.hpp"
 #include "format/io/trimmed_model_io.hpp"
 #include "format/model/errors.hpp"
 #include "format/model/points_outside.hpp"
 #include "solver/commands.hpp"
 
-#include <cstdio>
 #include <fmt/format.h>
 
 namespace iga::solve {
@@ -49,13 +49,13 @@ int run_check(const ModelCommand& command) {
   if (command.style == ReportStyle::Json) {
     io::JsonObject report;
     report.add("file", file).add("sound", problems.empty()).add("problems", problems).add("notes", notes);
-    fmt::print("{}\n", report.text());
+    io::write_report(fmt::format("{}\n", report.text()));
   } else {
     for (const auto& problem : problems)
-      fmt::print(stderr, "{}{}\n", problem.starts_with(file) ? "" : file + ": ", problem);
+      io::write_message(fmt::format("{}{}\n", problem.starts_with(file) ? "" : file + ": ", problem));
     if (command.style == ReportStyle::Text) {
-      for (const auto& note : notes) fmt::print("{}: note: {}\n", file, note);
-      if (problems.empty()) fmt::print("{}: sound\n", file);
+      for (const auto& note : notes) io::write_report(fmt::format("{}: note: {}\n", file, note));
+      if (problems.empty()) io::write_report(fmt::format("{}: sound\n", file));
     }
   }
   return problems.empty() ? io::exit_done : io::exit_format;

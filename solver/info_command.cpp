@@ -119,7 +119,7 @@ int run_info(const ModelCommand& command) {
   const TrimmedModel model = io::read_model(command.model);
   if (command.style == ReportStyle::Quiet) return io::exit_done;
   const ModelSummary summary = summarise(model);
-  fmt::print("{}", command.style == ReportStyle::Json ? json_report(command.model, model, summary)
+  io::write_report(command.style == ReportStyle::Json ? json_report(command.model, model, summary)
                                                       : text_report(command.model, model, summary));
   return io::exit_done;
 }

@@ -1,4 +1,5 @@
 // Runs an analysis from settings to report.
+#include "format/io/output_claim.hpp"
 #include "format/io/results_io.hpp"
 #include "format/io/trimmed_model_io.hpp"
 #include "format/io/vtp_writer.hpp"
@@ -20,6 +21,21 @@ void check_units(const RunSettings& run, const TrimmedModel& model) {
                                  run.model.string(), model.length_unit, *run.units, *run.units));
 }
 
+// Before hours of work.
+io::OutputClaim claim_outputs(const RunSettings& run, const AnalysisCommand& command) {
+  io::OutputPlan plan{{run.output}, {}};
+  if (run.viewer) {
+    plan.files.push_back(io::viewer_index(run.output));
+    plan.folders.push_back(io::viewer_folder(run.output));
+  }
+  std::vector<std::filesystem::path> inputs{run.model};
+  if (!command.run_file.empty()) inputs.push_back(command.run_file);
+  io::refuse_replaced_inputs(plan, inputs);
+  io::check_results_target(run.output, command.force);
+  if (run.viewer) io::check_viewer_target(run.output, command.force);
+  return {plan, inputs};
+}
+
 } // namespace
 
 int run_analysis(const AnalysisCommand& command) {
@@ -27,10 +43,8 @@ int run_analysis(const AnalysisCommand& command) {
   std::optional<tbb::global_control> threads;
   if (command.threads)
     threads.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(*command.threads));
-  if (!run.settings.output.empty()) { // before hours of work
-    io::check_results_target(run.settings.output, command.force);
-    if (run.settings.viewer) io::check_viewer_target(run.settings.output, command.force);
-  }
+  std::optional<io::OutputClaim> claim;
+  if (!run.settings.output.empty()) claim.emplace(claim_outputs(run.settings, command));
   {
     Stopwatch watch(run.timings);
     run.model = io::read_model(run.settings.model);

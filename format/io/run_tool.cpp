@@ -1,10 +1,12 @@
 #include "format/io/run_tool.hpp"
 
 #include "format/io/interrupt.hpp"
+#include "format/io/standard_streams.hpp"
 #include "format/model/errors.hpp"
 
-#include <cstdio>
+#include <csignal>
 #include <fmt/format.h>
+#include <iostream>
 #include <new>
 #include <system_error>
 
@@ -12,11 +14,15 @@ namespace iga::io {
 
 int run_tool(const std::string& name, const std::function<int()>& work) {
   const auto fail = [&](int code, const std::string& text) {
-    fmt::print(stderr, "{}: {}\n", name, text);
+    write_message(fmt::format("{}: {}\n", name, text));
     return code;
   };
+  prepare_standard_streams();
   try {
-    return work();
+    const int code = work();
+    std::cout.flush(); // what --help and --version print
+    if (!std::cout) throw InputError("standard output cannot be written: it is full or closed");
+    return code;
   } catch (const InputError& error) {
     return fail(exit_input, fmt::format("error: {}", error.what()));
   } catch (const FormatError& error) {
@@ -25,6 +31,8 @@ int run_tool(const std::string& name, const std::function<int()>& work) {
     return fail(exit_numerical, fmt::format("error: {}", error.what()));
   } catch (const Interrupted&) {
     return fail(128 + pending_signal(), "interrupted; no file was changed");
+  } catch (const ReaderGone&) {
+    return 128 + SIGPIPE;
   } catch (const std::system_error& error) {
     return fail(exit_input, fmt::format("error: {}", error.what()));
   } catch (const std::bad_alloc&) {

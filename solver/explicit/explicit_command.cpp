@@ -1,8 +1,10 @@
 #include "solver/explicit/explicit_command.hpp"
 
 #include "format/io/interrupt.hpp"
+#include "format/io/output_claim.hpp"
 #include "format/io/results_io.hpp"
 #include "format/io/sha256.hpp"
+#include "format/io/standard_streams.hpp"
 #include "format/io/vtp_writer.hpp"
 #include "format/model/errors.hpp"
 #include "solver/explicit/explicit_report.hpp"
@@ -23,8 +25,9 @@ std::vector<InputFile> hashed(const ExplicitRun& run) {
 }
 
 void check_targets(const ExplicitCommand& command, const ExplicitRun& run, const std::filesystem::path& output) {
+  const auto restart = restart_path(output);
   if (command.restart) {
-    for (const auto& file : {restart_path(output), output})
+    for (const auto& file : {restart, output})
       if (!std::filesystem::exists(file))
         throw InputError(fmt::format(
             "{}: there is nothing to go on with: no such file; start the run without --restart", file.string()));
@@ -32,6 +35,24 @@ void check_targets(const ExplicitCommand& command, const ExplicitRun& run, const
   }
   io::check_results_target(output, command.force);
   if (run.out.viewer) io::check_viewer_target(output, command.force);
+  if (!command.force && std::filesystem::exists(restart))
+    throw InputError(fmt::format("{}: exists, and a run that ends removes it; choose another name for the results, or "
+                                 "add --force",
+                                 restart.string()));
+}
+
+io::OutputClaim claim_outputs(const ExplicitCommand& command, const ExplicitRun& run,
+                              const std::filesystem::path& output) {
+  io::OutputPlan plan{{output, restart_path(output)}, {fields_folder(output)}};
+  if (run.out.viewer) {
+    plan.files.push_back(io::viewer_index(output));
+    plan.folders.push_back(io::viewer_folder(output));
+  }
+  std::vector<std::filesystem::path> inputs{run.file};
+  inputs.insert(inputs.end(), run.inputs.begin(), run.inputs.end());
+  io::refuse_replaced_inputs(plan, inputs);
+  check_targets(command, run, output);
+  return {plan, inputs};
 }
 
 Results head_of(const ExplicitCommand& command, const ExplicitScene& scene, const std::vector<InputFile>& inputs) {
@@ -94,7 +115,7 @@ int run_explicit(const ExplicitCommand& command) {
   std::optional<tbb::global_control> threads;
   if (command.threads)
     threads.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(*command.threads));
-  check_targets(command, run, output);
+  const io::OutputClaim claim = claim_outputs(command, run, output);
   const bool quiet = command.style == ReportStyle::Quiet;
   io::Progress progress(io::progress_style(quiet));
   Timings timings;
@@ -132,7 +153,7 @@ int run_explicit(const ExplicitCommand& command) {
   }
   outputs.header().provenance.timings = timings;
   if (!quiet)
-    for (const std::string& warning : warnings) fmt::print(stderr, "igasolve: warning: {}\n", warning);
+    for (const std::string& warning : warnings) io::write_message(fmt::format("igasolve: warning: {}\n", warning));
   const int signal = loop.run();
   if (signal != 0) {
     const bool can_go_on = std::filesystem::exists(restart_path(output));
@@ -148,12 +169,12 @@ int run_explicit(const ExplicitCommand& command) {
   outputs.publish(recorder.series());
   remove_restart(output);
   if (quiet) return io::exit_done;
-  for (const std::string& warning : loop.warnings()) fmt::print(stderr, "igasolve: warning: {}\n", warning);
+  for (const std::string& warning : loop.warnings()) io::write_message(fmt::format("igasolve: warning: {}\n", warning));
   const ExplicitOutcome outcome{scene, recorder, outputs, loop, timings, warnings};
   if (command.style == ReportStyle::Json)
-    fmt::print("{}\n", explicit_json(outcome));
+    io::write_report(fmt::format("{}\n", explicit_json(outcome)));
   else
-    fmt::print("{}", explicit_text(outcome));
+    io::write_report(explicit_text(outcome));
   return io::exit_done;
 }
 
