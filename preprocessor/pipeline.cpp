@@ -6,6 +6,7 @@
 #include "format/io/trimmed_model_io.hpp"
 #include "format/model/errors.hpp"
 #include "format/model/points_outside.hpp"
+#include "format/model/version.hpp"
 #include "preprocessor/build_quadrature.hpp"
 #include "preprocessor/gates.hpp"
 #include "preprocessor/optimise_offset.hpp"
@@ -84,8 +85,8 @@ bool stands_already(const Settings& s, const RunInfo& run) {
   }
   const Provenance ours;
   if (found.producer != ours.producer || found.inputs.size() != 1) refuse("was made by another program");
-  if (found.version != IGA_VERSION)
-    refuse(fmt::format("was made by version {}, this is {}", found.version, IGA_VERSION));
+  if (found.version != program_version())
+    refuse(fmt::format("was made by version {}, this is {}", found.version, program_version()));
   if (found.inputs[0].sha256 != io::sha256_file(s.input)) refuse("was made from another input");
   if (found.settings_sha256 != settings_hash(s)) refuse("was made with other settings");
   return true;
@@ -178,7 +179,7 @@ PrepReport report_standing(const Settings& s, PrepReport report) {
 Provenance provenance_of(const Settings& s, const RunInfo& run, const std::string& input_sha256,
                          const PrepReport& report, const Stages& stages) {
   Provenance p;
-  p.version = IGA_VERSION;
+  p.version = program_version();
   p.command_line = run.command_line;
   p.inputs = {{s.input.filename().string(), input_sha256}};
   // A reduction that was cut short must not pass for the whole of it.
@@ -260,7 +261,7 @@ PrepReport make_model(const Settings& s, const RunInfo& run, const PreparedSurfa
 } // namespace
 
 std::string settings_hash(const Settings& settings) {
-  return io::sha256_text(canonical_text(settings) + "version = " + IGA_VERSION + "\n");
+  return io::sha256_text(canonical_text(settings) + "version = " + program_version() + "\n");
 }
 
 PrepReport run_pipeline(const Settings& s, const RunInfo& run, io::Progress& progress) {

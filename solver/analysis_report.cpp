@@ -4,6 +4,7 @@
 #include "format/io/sha256.hpp"
 #include "format/io/standard_streams.hpp"
 #include "format/io/vtp_writer.hpp"
+#include "format/model/version.hpp"
 #include "solver/model_summary.hpp"
 
 #include <chrono>
@@ -93,7 +94,7 @@ ResultsHeader results_header(const AnalysisRun& run, const char* analysis, const
     for (int j = 0; j < 6; ++j) head.stiffness[static_cast<std::size_t>(6 * i + j)] = run.settings.material.C(i, j);
   Provenance& p = head.provenance;
   p.producer = "igasolve";
-  p.version = IGA_VERSION;
+  p.version = program_version();
   p.command_line = run.command.text;
   p.inputs.push_back({head.model_file, head.model_sha256});
   if (!run.command.run_file.empty())

@@ -8,6 +8,7 @@
 #include "solver/blas_threads.hpp"
 #include "solver/stopwatch.hpp"
 
+#include <memory>
 #include <tbb/global_control.h>
 
 namespace iga::solve {
@@ -21,8 +22,9 @@ void check_units(const RunSettings& run, const TrimmedModel& model) {
                                  run.model.string(), model.length_unit, *run.units, *run.units));
 }
 
-// Before hours of work.
-io::OutputClaim claim_outputs(const RunSettings& run, const AnalysisCommand& command) {
+// Before hours of work. Nothing where no results are written.
+std::unique_ptr<io::OutputClaim> claim_outputs(const RunSettings& run, const AnalysisCommand& command) {
+  if (run.output.empty()) return nullptr;
   io::OutputPlan plan{{run.output}, {}};
   if (run.viewer) {
     plan.files.push_back(io::viewer_index(run.output));
@@ -33,7 +35,7 @@ io::OutputClaim claim_outputs(const RunSettings& run, const AnalysisCommand& com
   io::refuse_replaced_inputs(plan, inputs);
   io::check_results_target(run.output, command.force);
   if (run.viewer) io::check_viewer_target(run.output, command.force);
-  return {plan, inputs};
+  return std::make_unique<io::OutputClaim>(plan, inputs);
 }
 
 } // namespace
@@ -43,8 +45,7 @@ int run_analysis(const AnalysisCommand& command) {
   std::optional<tbb::global_control> threads;
   if (command.threads)
     threads.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(*command.threads));
-  std::optional<io::OutputClaim> claim;
-  if (!run.settings.output.empty()) claim.emplace(claim_outputs(run.settings, command));
+  const auto claim = claim_outputs(run.settings, command);
   {
     Stopwatch watch(run.timings);
     run.model = io::read_model(run.settings.model);

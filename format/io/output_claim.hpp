@@ -4,7 +4,6 @@
 
 #include "format/io/replace_file.hpp"
 
-#include <optional>
 #include <span>
 #include <vector>
 

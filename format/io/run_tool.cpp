@@ -12,6 +12,15 @@
 
 namespace iga::io {
 
+namespace {
+
+const std::string memory_text =
+    "error: the free memory of this machine (or the limit set for this process) is not enough; choose larger spans or "
+    "a "
+    "lower degree, close other programs, or use a machine with more memory";
+
+} // namespace
+
 int run_tool(const std::string& name, const std::function<int()>& work) {
   const auto fail = [&](int code, const std::string& text) {
     write_message(fmt::format("{}: {}\n", name, text));
@@ -34,14 +43,20 @@ int run_tool(const std::string& name, const std::function<int()>& work) {
   } catch (const ReaderGone&) {
     return 128 + SIGPIPE;
   } catch (const std::system_error& error) {
-    return fail(exit_input, fmt::format("error: {}", error.what()));
+    // A thread that cannot be started lacks the memory for its stack.
+    const bool no_memory =
+        error.code() == std::errc::not_enough_memory || error.code() == std::errc::resource_unavailable_try_again;
+    return fail(exit_input, no_memory ? memory_text : fmt::format("error: {}", error.what()));
   } catch (const std::bad_alloc&) {
-    return fail(exit_input, "error: the memory of this machine is not enough; choose larger spans");
+    return fail(exit_input, memory_text);
   } catch (const std::exception& error) {
     return fail(exit_our_bug,
                 fmt::format("internal error: {}\nThis is a fault of the program, not of your input: please "
                             "report it with the command line and the input file.",
                             error.what()));
+  } catch (...) {
+    return fail(exit_our_bug, "internal error without a message\nThis is a fault of the program, not of your input: "
+                              "please report it with the command line and the input file.");
   }
 }
 

@@ -16,15 +16,24 @@ constexpr std::string_view mark = ".iga-tmp-"; // between the target's name and 
 constexpr std::size_t longest_name = 120;      // bytes of the target's name: a folder allows 255 in all
 constexpr std::size_t longest_host = 60;
 
-// Field 22 of /proc/PID/stat; the second one, the program's name, may hold anything but ends with the last bracket.
-unsigned long long start_of(long process) {
+// When a process started, 0 where the system does not tell, and whether it has ended without its parent having asked.
+struct ProcessState {
+  unsigned long long start = 0;
+  bool ended = false;
+};
+
+// Fields 3 and 22 of /proc/PID/stat; the second one, the program's name, may hold anything but ends with the last
+// bracket.
+ProcessState state_of(long process) {
   std::ifstream in(fmt::format("/proc/{}/stat", process));
   const std::string text((std::istreambuf_iterator<char>(in)), {});
   std::size_t at = text.rfind(')');
+  ProcessState state;
+  if (at == text.npos || at + 2 >= text.size()) return state;
+  state.ended = text[at + 2] == 'Z' || text[at + 2] == 'X';
   for (int field = 2; field < 22 && at != text.npos; ++field) at = text.find(' ', at + 1);
-  unsigned long long start = 0;
-  if (at != text.npos) std::from_chars(text.data() + at + 1, text.data() + text.size(), start);
-  return start;
+  if (at != text.npos) std::from_chars(text.data() + at + 1, text.data() + text.size(), state.start);
+  return state;
 }
 
 std::string host_name() {
@@ -39,8 +48,9 @@ Owner owner_of(const ProcessName& by) {
   if (by.process == ours.process && by.start == ours.start) return Owner::This;
   if (kill(static_cast<pid_t>(by.process), 0) != 0 && errno == ESRCH) return Owner::Dead;
   // Another process may have got the number since.
-  const unsigned long long start = start_of(by.process);
-  return start != 0 && by.start != 0 && start != by.start ? Owner::Dead : Owner::Alive;
+  const ProcessState state = state_of(by.process);
+  const bool another = state.start != 0 && by.start != 0 && state.start != by.start;
+  return another || state.ended ? Owner::Dead : Owner::Alive;
 }
 
 template <class T> bool parse(std::string_view text, T& value) {
@@ -51,7 +61,7 @@ template <class T> bool parse(std::string_view text, T& value) {
 } // namespace
 
 const ProcessName& this_process() {
-  static const ProcessName name{host_name(), getpid(), start_of(getpid())};
+  static const ProcessName name{host_name(), getpid(), state_of(getpid()).start};
   return name;
 }
 

@@ -7,6 +7,7 @@
 #include "format/io/standard_streams.hpp"
 #include "format/io/vtp_writer.hpp"
 #include "format/model/errors.hpp"
+#include "format/model/version.hpp"
 #include "solver/explicit/explicit_report.hpp"
 #include "solver/stopwatch.hpp"
 
@@ -90,7 +91,7 @@ Results head_of(const ExplicitCommand& command, const ExplicitScene& scene, cons
     for (int j = 0; j < 6; ++j) head.stiffness[static_cast<std::size_t>(6 * i + j)] = C(i, j);
   Provenance& p = head.provenance;
   p.producer = "igasolve";
-  p.version = IGA_VERSION;
+  p.version = program_version();
   p.command_line = command.text;
   p.inputs.assign(inputs.begin() + 1, inputs.end());
   p.inputs.push_back(inputs.front());
@@ -126,7 +127,7 @@ int run_explicit(const ExplicitCommand& command) {
   std::vector<std::string> warnings;
   if (command.restart) { // before hours of work
     restart = read_restart(restart_path(output));
-    warnings = check_restart(*restart, inputs, restart_path(output), IGA_VERSION);
+    warnings = check_restart(*restart, inputs, restart_path(output), program_version());
   }
   ExplicitScene scene(run);
   warnings.insert(warnings.end(), scene.warnings().begin(), scene.warnings().end());
@@ -157,9 +158,10 @@ int run_explicit(const ExplicitCommand& command) {
   const int signal = loop.run();
   if (signal != 0) {
     const bool can_go_on = std::filesystem::exists(restart_path(output));
-    fmt::print(stderr, "igasolve: interrupted at t = {:.6g}; {} holds the results so far{}\n",
-               scene.integrator().time(), output.string(),
-               can_go_on ? fmt::format(", {} the state: add --restart to go on", restart_path(output).string()) : "");
+    io::write_message(fmt::format(
+        "igasolve: interrupted at t = {:.6g}; {} holds the results so far{}\n", scene.integrator().time(),
+        output.string(),
+        can_go_on ? fmt::format(", {} the state: add --restart to go on", restart_path(output).string()) : ""));
     return 128 + signal;
   }
   watch.stage("stepping");

@@ -2,6 +2,7 @@
 
 #include "format/io/interrupt.hpp"
 #include "format/model/errors.hpp"
+#include "format/model/version.hpp"
 
 #include <cmath>
 #include <cstdio>
@@ -101,7 +102,7 @@ void ExplicitLoop::follow_up() {
 
 void ExplicitLoop::write_restart_file() const {
   RestartState restart;
-  restart.version = IGA_VERSION;
+  restart.version = program_version();
   restart.inputs = parts_.inputs;
   restart.limits = parts_.scene.limits();
   restart.state = parts_.scene.integrator().save();

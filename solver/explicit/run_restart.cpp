@@ -4,7 +4,11 @@
 #include "format/io/h5_arrays.hpp"
 #include "format/model/errors.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
+#include <limits>
+#include <type_traits>
 
 namespace iga::solve {
 
@@ -70,7 +74,13 @@ class Take {
       : file_(file), path_(std::move(path)), from_(read_numbers(file_, path_)) {}
   template <class T> void operator()(T& to) {
     if (next_ >= from_.size()) file_.refuse(path_, "holds fewer numbers than expected");
-    to = static_cast<T>(from_[next_++]);
+    const double value = from_[next_++];
+    // Counts are kept as numbers too; the limits of T as a double are at most one above what T holds.
+    if (std::is_integral_v<T> &&
+        !(value == std::floor(value) && value >= static_cast<double>(std::numeric_limits<T>::min()) &&
+          std::abs(value) < 0x1p53 && value <= static_cast<double>(std::numeric_limits<T>::max())))
+      file_.refuse(path_, fmt::format("number {} is {}, expected a count", next_ - 1, value));
+    to = static_cast<T>(value);
   }
   void expect_end() const {
     if (next_ != from_.size()) file_.refuse(path_, fmt::format("holds {} numbers, expected {}", from_.size(), next_));
@@ -168,7 +178,11 @@ RestartState read_restart(const std::filesystem::path& path) {
     for_each_body_number(r.state.bodies.back(), own);
     own.expect_end();
     for_each_array(r.state.bodies.back(), [&](const char* name, std::vector<double>& values) {
-      values = read_numbers(file, fmt::format("{}/{}", group, name));
+      const std::string place = fmt::format("{}/{}", group, name);
+      values = read_numbers(file, place);
+      const auto bad = std::find_if(values.begin(), values.end(), [](double x) { return !std::isfinite(x); });
+      if (bad != values.end())
+        file.refuse(place, fmt::format("number {} is {}, expected a finite one", bad - values.begin(), *bad));
     });
   }
   const auto num_penalties = static_cast<std::size_t>(count("penalties"));
