@@ -1,5 +1,6 @@
 // igasolve info: grid, spans, points, functions, regions and provenance of a model.
 #include "format/io/json_text.hpp"
+#include "format/io/standard_streams.hpp"
 #include "format/io/trimmed_model_io.hpp"
 #include "solver/commands.hpp"
 #include "solver/model_summary.hpp"
