@@ -2,6 +2,7 @@
 
 #include "format/io/command_line.hpp"
 #include "format/model/errors.hpp"
+#include "format/model/version.hpp"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -29,8 +30,9 @@ margin, rotation, rotate_axis_angle, optimise_offset; [trim] sliver_tolerance, m
 (--quadrature), trimmed, moment_degree, tolerance, rank_bound. Paths in it are relative to its folder.
 
 Exit codes: 0 done, 1 fault of the program, 2 input, usage or file access, 3 a file breaks the schema, 4 a method did not
-reach its tolerance, 130 and 143 interrupted: no file is changed, unless the points were being reduced (--trimmed
-minimal); then the file is written with the rules there are.)";
+reach its tolerance, 129, 130, 131 and 143 interrupted by SIGHUP, SIGINT, SIGQUIT and SIGTERM: no file is changed, unless
+the points were being reduced (--trimmed minimal); then the file is written with the rules there are. 141: nobody reads
+the report any more. Too little memory is exit code 2 and says so.)";
 
 // Numbers that follow these flags are joined by commas to one word: a file name may then follow a list of open length,
 // and a negative number is not taken for a flag.
@@ -163,7 +165,7 @@ void add_options(CLI::App& app, Raw& raw, TypedSettings& t, CommandLine& line) {
   app.add_flag("--force", line.force, "Replace an output file that does not match")->group(running);
   app.add_flag("--quiet", line.quiet, "Print errors only")->group(running);
   app.add_flag("--json", line.json, "Report as one JSON object on stdout")->group(running);
-  app.set_version_flag("--version", std::string("igaprep ") + IGA_VERSION)->group(running);
+  app.set_version_flag("--version", std::string("igaprep ") + program_version())->group(running);
   app.footer(examples);
 }
 
@@ -210,7 +212,7 @@ std::optional<CommandLine> parse_command_line(int argc, const char* const* argv)
   if (!raw.file && !flags.input) throw InputError("no surface or settings file is given (see igaprep --help)");
   TypedSettings base;
   if (raw.file && std::filesystem::path(*raw.file).extension() == ".toml")
-    base = read_settings_file(*raw.file);
+    base = read_settings_file(line.settings_file = *raw.file);
   else if (raw.file && flags.input)
     throw InputError(fmt::format("two surfaces are given: {} and --input {}", *raw.file, flags.input->string()));
   else if (raw.file)

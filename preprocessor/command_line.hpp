@@ -8,7 +8,8 @@
 namespace iga::prep {
 
 struct CommandLine {
-  TypedSettings typed; ///< file and flags together
+  TypedSettings typed;                 ///< file and flags together
+  std::filesystem::path settings_file; ///< empty where there is none
   std::optional<int> threads;
   bool force = false, quiet = false, json = false;
   std::string text; ///< as typed, for the provenance

@@ -1,6 +1,7 @@
 // igaprep: surface → interchange file. The command line, the pipeline, the report, the exit code.
 #include "format/io/interrupt.hpp"
 #include "format/io/run_tool.hpp"
+#include "format/io/standard_streams.hpp"
 #include "preprocessor/command_line.hpp"
 #include "preprocessor/pipeline.hpp"
 
@@ -20,13 +21,15 @@ int run(int argc, const char* const* argv) {
     threads.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(*line->threads));
   io::install_signal_handlers();
   io::Progress progress(io::progress_style(line->quiet));
-  const prep::PrepReport report = prep::run_pipeline(settings, {line->text, line->force}, progress);
+  const prep::PrepReport report =
+      prep::run_pipeline(settings, {line->text, line->force, line->settings_file}, progress);
   if (!line->quiet)
-    for (const std::string& warning : report.warnings) fmt::print(stderr, "igaprep: warning: {}\n", warning);
+    for (const std::string& warning : report.warnings)
+      io::write_message(fmt::format("igaprep: warning: {}\n", warning));
   if (line->json)
-    fmt::print("{}\n", prep::json_report(report));
+    io::write_report(fmt::format("{}\n", prep::json_report(report)));
   else if (!line->quiet)
-    fmt::print("{}", prep::human_report(report));
+    io::write_report(prep::human_report(report));
   return report.interrupted_by == 0 ? io::exit_done : 128 + report.interrupted_by;
 }
 

@@ -1,11 +1,13 @@
 #include "preprocessor/pipeline.hpp"
 
 #include "format/io/interrupt.hpp"
+#include "format/io/output_claim.hpp"
 #include "format/io/output_ending.hpp"
 #include "format/io/sha256.hpp"
 #include "format/io/trimmed_model_io.hpp"
 #include "format/model/errors.hpp"
 #include "format/model/points_outside.hpp"
+#include "format/model/version.hpp"
 #include "preprocessor/build_quadrature.hpp"
 #include "preprocessor/gates.hpp"
 #include "preprocessor/optimise_offset.hpp"
@@ -68,8 +70,6 @@ void check_paths(const Settings& s) {
   if (!fs::is_regular_file(s.output))
     throw InputError(
         fmt::format("{}: the output exists and is no ordinary file; choose another name", s.output.string()));
-  if (fs::equivalent(s.input, s.output))
-    throw InputError(fmt::format("{}: the output would replace the input; choose another name", s.output.string()));
 }
 
 // True where the output holds what this run would make; refuses to replace anything else unless forced.
@@ -87,8 +87,8 @@ bool stands_already(const Settings& s, const RunInfo& run) {
   }
   const Provenance ours;
   if (found.producer != ours.producer || found.inputs.size() != 1) refuse("was made by another program");
-  if (found.version != IGA_VERSION)
-    refuse(fmt::format("was made by version {}, this is {}", found.version, IGA_VERSION));
+  if (found.version != program_version())
+    refuse(fmt::format("was made by version {}, this is {}", found.version, program_version()));
   if (found.inputs[0].sha256 != io::sha256_file(s.input)) refuse("was made from another input");
   if (found.settings_sha256 != settings_hash(s)) refuse("was made with other settings");
   return true;
@@ -182,7 +182,7 @@ PrepReport report_standing(const Settings& s, PrepReport report) {
 Provenance provenance_of(const Settings& s, const RunInfo& run, const std::string& input_sha256,
                          const PrepReport& report, const Stages& stages) {
   Provenance p;
-  p.version = IGA_VERSION;
+  p.version = program_version();
   p.command_line = run.command_line;
   p.inputs = {{s.input.filename().string(), input_sha256}};
   // A reduction that was cut short must not pass for the whole of it.
@@ -264,7 +264,7 @@ PrepReport make_model(const Settings& s, const RunInfo& run, const PreparedSurfa
 } // namespace
 
 std::string settings_hash(const Settings& settings) {
-  return io::sha256_text(canonical_text(settings) + "version = " + IGA_VERSION + "\n");
+  return io::sha256_text(canonical_text(settings) + "version = " + program_version() + "\n");
 }
 
 PrepReport run_pipeline(const Settings& s, const RunInfo& run, io::Progress& progress) {
@@ -272,7 +272,12 @@ PrepReport run_pipeline(const Settings& s, const RunInfo& run, io::Progress& pro
   report.input = s.input.string();
   report.output = s.output.string();
   check_paths(s);
+  const io::OutputPlan plan{{s.output}, {}};
+  std::vector<fs::path> inputs{s.input};
+  if (!run.settings_file.empty()) inputs.push_back(run.settings_file);
+  io::refuse_replaced_inputs(plan, inputs);
   if (stands_already(s, run)) return report_standing(s, std::move(report));
+  const io::OutputClaim claim(plan, inputs);
 
   Stages stages(progress);
   ReadMesh read = stages.run("read", [&] { return read_mesh(s.input, s.scale); });

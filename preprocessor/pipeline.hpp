@@ -11,6 +11,7 @@ namespace iga::prep {
 struct RunInfo {
   std::string command_line;
   bool force = false;
+  std::filesystem::path settings_file; ///< empty where there is none
 };
 
 /// Runs all stages and writes settings.output; where a file from the same input bytes, settings and version stands

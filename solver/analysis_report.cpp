@@ -2,7 +2,9 @@
 
 #include "format/io/results_io.hpp"
 #include "format/io/sha256.hpp"
+#include "format/io/standard_streams.hpp"
 #include "format/io/vtp_writer.hpp"
+#include "format/model/version.hpp"
 #include "solver/model_notes.hpp"
 #include "solver/model_summary.hpp"
 
@@ -22,7 +24,7 @@ double peak_memory_mib() {
 
 void warn(AnalysisRun& run, const std::vector<std::string>& warnings) {
   if (run.command.style != ReportStyle::Quiet)
-    for (const std::string& warning : warnings) fmt::print(stderr, "igasolve: warning: {}\n", warning);
+    for (const std::string& warning : warnings) io::write_message(fmt::format("igasolve: warning: {}\n", warning));
   run.warnings.insert(run.warnings.end(), warnings.begin(), warnings.end());
 }
 
@@ -114,7 +116,7 @@ ResultsHeader results_header(const AnalysisRun& run, const char* analysis, const
     for (int j = 0; j < 6; ++j) head.stiffness[static_cast<std::size_t>(6 * i + j)] = run.settings.material.C(i, j);
   Provenance& p = head.provenance;
   p.producer = "igasolve";
-  p.version = IGA_VERSION;
+  p.version = program_version();
   p.command_line = run.command.text;
   p.inputs.push_back({head.model_file, head.model_sha256});
   if (!run.command.run_file.empty())
@@ -134,7 +136,7 @@ void write_outputs(const AnalysisRun& run, const Results& results) {
 
 void print_report(const AnalysisRun& run, const std::string& report) {
   if (run.command.style == ReportStyle::Quiet) return;
-  fmt::print("{}{}", report, run.command.style == ReportStyle::Json ? "\n" : "");
+  io::write_report(fmt::format("{}{}", report, run.command.style == ReportStyle::Json ? "\n" : ""));
 }
 
 } // namespace iga::solve

@@ -1,12 +1,12 @@
 // igasolve check: every problem of a model file in full, the first one of a results file.
 #include "format/io/json_text.hpp"
 #include "format/io/results_io.hpp"
+#include "format/io/standard_streams.hpp"
 #include "format/io/trimmed_model_io.hpp"
 #include "format/model/errors.hpp"
 #include "format/model/points_outside.hpp"
 #include "solver/commands.hpp"
 
-#include <cstdio>
 #include <fmt/format.h>
 
 namespace iga::solve {
@@ -46,18 +46,18 @@ int run_check(const ModelCommand& command) {
     io::JsonObject report;
     report.add("file", file).add("sound", problems.empty()).add("problems", problems).add("notes", notes);
     report.add("findings", provenance.findings).add("warnings", provenance.warnings);
-    fmt::print("{}\n", report.text());
+    io::write_report(fmt::format("{}\n", report.text()));
   } else {
     for (const auto& problem : problems)
-      fmt::print(stderr, "{}{}\n", problem.starts_with(file) ? "" : file + ": ", problem);
+      io::write_message(fmt::format("{}{}\n", problem.starts_with(file) ? "" : file + ": ", problem));
     if (command.style == ReportStyle::Text) {
       const auto list = [&](const char* kind, const std::vector<std::string>& texts) {
-        for (const auto& text : texts) fmt::print("{}: {}: {}\n", file, kind, text);
+        for (const auto& text : texts) io::write_report(fmt::format("{}: {}: {}\n", file, kind, text));
       };
       list("note", notes);
       list("finding", provenance.findings);
       list("warning", provenance.warnings);
-      if (problems.empty()) fmt::print("{}: sound\n", file);
+      if (problems.empty()) io::write_report(fmt::format("{}: sound\n", file));
     }
   }
   return problems.empty() ? io::exit_done : io::exit_format;

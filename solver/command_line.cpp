@@ -2,6 +2,7 @@
 
 #include "format/io/command_line.hpp"
 #include "format/model/errors.hpp"
+#include "format/model/version.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -21,8 +22,9 @@ const char* const footer = R"(Examples:
   igasolve export modes.h5 --csv                         frequencies, series, probes, fields as tables
 
 Exit codes: 0 done, 1 fault of the program, 2 input, usage or file access, 3 a file breaks the schema, 4 a method did not
-reach its tolerance or a run blew up, 130 and 143 interrupted (no file is changed; explicit runs leave their results so
-far and a restart file).)";
+reach its tolerance or a run blew up, 129, 130, 131 and 143 interrupted by SIGHUP, SIGINT, SIGQUIT and SIGTERM (no file is
+changed; explicit runs leave their results so far and a restart file), 141: nobody reads the report any more. Too little
+memory is exit code 2 and says so.)";
 
 const char* const analysis_footer =
     R"(Any consistent set of units: E in force/length², rho in mass/length³, frequencies in cycles per time. The run file
@@ -176,7 +178,7 @@ std::optional<Command> parse_command_line(int argc, const char* const* argv) {
   CLI::App app("Analyses of trimmed solids made by igaprep: eigenmodes, statics, time steps, impact.", "igasolve");
   Raw raw;
   AnalysisCommand analysis;
-  app.set_version_flag("--version", "igasolve " IGA_VERSION);
+  app.set_version_flag("--version", std::string("igasolve ") + program_version());
   app.require_subcommand(1);
   app.footer(footer);
   CLI::App* info = add_model_command(app, "info", "Print what a model file holds", raw);

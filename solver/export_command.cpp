@@ -2,6 +2,7 @@
 #include "format/io/json_text.hpp"
 #include "format/io/results_io.hpp"
 #include "format/io/settings_reader.hpp"
+#include "format/io/standard_streams.hpp"
 #include "format/io/trimmed_model_io.hpp"
 #include "format/model/errors.hpp"
 #include "solver/commands.hpp"
@@ -62,13 +63,13 @@ void report(const ExportCommand& command, const Target& target) {
     std::vector<io::JsonObject> files;
     for (const auto& [file, rows] : target.written())
       files.push_back(io::JsonObject().add("file", file).add("rows", rows));
-    fmt::print("{}\n", io::JsonObject().add("files", files).add("tables", target.names()).text());
+    io::write_report(fmt::format("{}\n", io::JsonObject().add("files", files).add("tables", target.names()).text()));
     return;
   }
-  for (const auto& [file, rows] : target.written()) fmt::print("{}: {} rows\n", file, rows);
+  for (const auto& [file, rows] : target.written()) io::write_report(fmt::format("{}: {} rows\n", file, rows));
   if (target.one_file() && !command.table && target.names().size() > 1)
-    fmt::print("other tables, with --table NAME, or all with -o FOLDER: {}\n",
-               fmt::join(target.names().begin() + 1, target.names().end(), ", "));
+    io::write_report(fmt::format("other tables, with --table NAME, or all with -o FOLDER: {}\n",
+                                 fmt::join(target.names().begin() + 1, target.names().end(), ", ")));
 }
 
 } // namespace

@@ -1,5 +1,6 @@
 // igasolve info: grid, spans, points, functions, regions and provenance of a model.
 #include "format/io/json_text.hpp"
+#include "format/io/standard_streams.hpp"
 #include "format/io/trimmed_model_io.hpp"
 #include "solver/commands.hpp"
 #include "solver/model_summary.hpp"
@@ -122,7 +123,7 @@ int run_info(const ModelCommand& command) {
   const TrimmedModel model = io::read_model(command.model);
   if (command.style == ReportStyle::Quiet) return io::exit_done;
   const ModelSummary summary = summarise(model);
-  fmt::print("{}", command.style == ReportStyle::Json ? json_report(command.model, model, summary)
+  io::write_report(command.style == ReportStyle::Json ? json_report(command.model, model, summary)
                                                       : text_report(command.model, model, summary));
   return io::exit_done;
 }

@@ -1,4 +1,5 @@
 // Runs an analysis from settings to report.
+#include "format/io/output_claim.hpp"
 #include "format/io/results_io.hpp"
 #include "format/io/trimmed_model_io.hpp"
 #include "format/io/vtp_writer.hpp"
@@ -8,6 +9,7 @@
 #include "solver/model_notes.hpp"
 #include "solver/stopwatch.hpp"
 
+#include <memory>
 #include <tbb/global_control.h>
 
 namespace iga::solve {
@@ -21,6 +23,22 @@ void check_units(const RunSettings& run, const TrimmedModel& model) {
                                  run.model.string(), model.length_unit, *run.units, *run.units));
 }
 
+// Before hours of work. Nothing where no results are written.
+std::unique_ptr<io::OutputClaim> claim_outputs(const RunSettings& run, const AnalysisCommand& command) {
+  if (run.output.empty()) return nullptr;
+  io::OutputPlan plan{{run.output}, {}};
+  if (run.viewer) {
+    plan.files.push_back(io::viewer_index(run.output));
+    plan.folders.push_back(io::viewer_folder(run.output));
+  }
+  std::vector<std::filesystem::path> inputs{run.model};
+  if (!command.run_file.empty()) inputs.push_back(command.run_file);
+  io::refuse_replaced_inputs(plan, inputs);
+  io::check_results_target(run.output, command.force);
+  if (run.viewer) io::check_viewer_target(run.output, command.force);
+  return std::make_unique<io::OutputClaim>(plan, inputs);
+}
+
 } // namespace
 
 int run_analysis(const AnalysisCommand& command) {
@@ -28,10 +46,7 @@ int run_analysis(const AnalysisCommand& command) {
   std::optional<tbb::global_control> threads;
   if (command.threads)
     threads.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(*command.threads));
-  if (!run.settings.output.empty()) { // before hours of work
-    io::check_results_target(run.settings.output, command.force);
-    if (run.settings.viewer) io::check_viewer_target(run.settings.output, command.force);
-  }
+  const auto claim = claim_outputs(run.settings, command);
   {
     Stopwatch watch(run.timings);
     run.model = io::read_model(run.settings.model);

@@ -5,11 +5,13 @@
 #include "format/model/errors.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <hdf5.h>
+#include <new>
 #include <sys/mman.h>
 #include <tbb/parallel_for.h>
 #include <unistd.h>
@@ -34,6 +36,8 @@ constexpr unsigned gzip_level = 1;          // as named in the file; see chunk_f
 constexpr std::int64_t chunks_at_once = 32; // packed in parallel, then written in order
 // Deflate cannot shrink data by more than this factor, so a dataset that claims more was never written.
 constexpr std::int64_t largest_compression = 1032;
+// A chunk is unpacked whole, whatever part of it is asked for.
+constexpr std::size_t largest_chunk = std::size_t{256} << 20; // bytes
 
 template <class T> struct ElementType;
 template <> struct ElementType<double> {
@@ -87,6 +91,21 @@ std::string library_reason() {
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, visit, &reason);
   return reason.empty() ? "no reason given" : reason;
 }
+
+// Did the library run out of memory?
+bool library_lacks_memory() {
+  bool lacks = false;
+  const auto visit = [](unsigned, const H5E_error2_t* error, void* out) -> herr_t {
+    if (error->maj_num == H5E_RESOURCE && (error->min_num == H5E_NOSPACE || error->min_num == H5E_CANTALLOC))
+      *static_cast<bool*>(out) = true;
+    return 0;
+  };
+  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, visit, &lacks);
+  return lacks;
+}
+
+const char* const lock_advice = "the file cannot be locked, as on some network drives; set the environment variable "
+                                "HDF5_USE_FILE_LOCKING=FALSE and run again";
 
 std::int64_t product(const Shape& shape) {
   std::int64_t n = 1;
@@ -210,6 +229,7 @@ H5Writer::H5Writer(const std::filesystem::path& path) : replacement_(path) {
   prepare_library();
   const H5Id access = property_id(H5Pcreate(H5P_FILE_ACCESS));
   H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110);
+  H5Pset_file_locking(access.get(), 0, 1); // nobody else knows the temporary file
   const H5Id create = property_id(H5Pcreate(H5P_FILE_CREATE));
   H5Pset_obj_track_times(create.get(), false);
   file_ = {H5Fcreate(replacement_.path().c_str(), H5F_ACC_TRUNC, create.get(), access.get()), H5Fclose};
@@ -234,7 +254,9 @@ void H5Writer::discard_writes() {
 
 void H5Writer::fail(std::string_view what) {
   const std::string reason = library_reason();
+  const bool lacks_memory = library_lacks_memory();
   if (file_.get() >= 0) discard_writes();
+  if (lacks_memory) throw std::bad_alloc();
   const auto& target = replacement_.target();
   const auto folder = target.has_parent_path() ? target.parent_path().string() : std::string(".");
   throw InputError(fmt::format("{}: {} in folder {}: {}; nothing was changed, free space or choose another folder",
@@ -421,7 +443,14 @@ H5Reader::H5Reader(const std::filesystem::path& path) : name_(path.string()) {
   if (H5Fis_hdf5(path.c_str()) == 0)
     throw FormatError(fmt::format("{}: is not an HDF5 file; expected a file made by igaprep", name_));
   file_ = {H5Fopen(path.c_str(), H5F_ACC_RDONLY, properties.get()), H5Fclose};
-  if (file_.get() < 0) refuse_damaged("/");
+  if (file_.get() >= 0) return;
+  const std::string reason = library_reason();
+  if (reason.find("already open for") != reason.npos)
+    throw InputError(fmt::format("{}: is open for writing in another program, or was when that program was killed; "
+                                 "close it there, or clear the mark with: h5clear -s {}",
+                                 name_, name_));
+  if (reason.find("lock") != reason.npos) throw InputError(fmt::format("{}: {} ({})", name_, lock_advice, reason));
+  refuse_damaged("/");
 }
 
 void H5Reader::refuse(std::string_view path, std::string_view message) const {
@@ -429,16 +458,26 @@ void H5Reader::refuse(std::string_view path, std::string_view message) const {
 }
 
 void H5Reader::refuse_damaged(std::string_view path) const {
+  if (library_lacks_memory()) throw std::bad_alloc();
   refuse(path, fmt::format("cannot be read ({}): the file is damaged or not complete; make it again with igaprep",
                            library_reason()));
 }
 
 bool H5Reader::has(const std::string& path) const {
   for (std::size_t at = path.find('/', 1);; at = path.find('/', at + 1)) {
-    const htri_t found = H5Lexists(file_.get(), path.substr(0, at).c_str(), H5P_DEFAULT);
+    const std::string part = path.substr(0, at);
+    const htri_t found = H5Lexists(file_.get(), part.c_str(), H5P_DEFAULT);
     if (found < 0) refuse_damaged(path);
     if (found == 0) return false;
+    // Links could lead round in circles, or into files that are not part of this one.
+    H5L_info_t link;
+    if (H5Lget_info(file_.get(), part.c_str(), &link, H5P_DEFAULT) < 0) refuse_damaged(part);
+    if (link.type == H5L_TYPE_SOFT) refuse(part, "is a symbolic link, expected the object itself");
+    if (link.type != H5L_TYPE_HARD) refuse(part, "is a link into another file, expected the object itself");
     if (at == path.npos) return true;
+    const H5Id object{H5Oopen(file_.get(), part.c_str(), H5P_DEFAULT), H5Oclose};
+    if (object.get() < 0) refuse_damaged(part);
+    if (H5Iget_type(object.get()) != H5I_GROUP) refuse(part, "is a dataset, expected a group");
   }
 }
 
@@ -477,7 +516,8 @@ Shape H5Reader::shape(const char* path, std::size_t rank) const {
   if (found.size() != rank) refuse(path, fmt::format("has shape {}, expected {} extents", to_text(found), rank));
   for (const auto extent : found)
     if (extent < 0 || extent > (std::int64_t{1} << 48))
-      refuse(path, fmt::format("has the impossible shape {}", to_text(found)));
+      refuse(path, fmt::format("has the impossible shape {}, expected extents of at most 2^48", to_text(found)));
+  expect_stored(path, dataset);
   return found;
 }
 
@@ -487,12 +527,25 @@ void H5Reader::expect_shape(const char* path, const Shape& found, const Shape& e
 
 // Stops before memory is asked for that the file cannot fill.
 void H5Reader::expect_stored(const char* path, const H5Id& dataset) const {
-  const H5Id type = type_id(H5Dget_type(dataset.get()));
-  const auto shape = shape_of_space(space_id(H5Dget_space(dataset.get())));
-  const double claimed = static_cast<double>(H5Tget_size(type.get())) * static_cast<double>(product(shape));
+  const H5Id type = type_id(H5Dget_type(dataset.get())), create = property_id(H5Dget_create_plist(dataset.get()));
+  const auto element_size = static_cast<double>(H5Tget_size(type.get()));
+  double claimed = element_size, chunk_size = element_size;
+  for (const auto extent : shape_of_space(space_id(H5Dget_space(dataset.get()))))
+    claimed *= static_cast<double>(extent);
+  const H5D_layout_t layout = H5Pget_layout(create.get());
+  if (layout == H5D_VIRTUAL || H5Pget_external_count(create.get()) > 0)
+    refuse(path, "keeps its data in other files, expected it in this one");
+  if (layout == H5D_CHUNKED) {
+    std::array<hsize_t, H5S_MAX_RANK> chunk{};
+    const int rank = H5Pget_chunk(create.get(), H5S_MAX_RANK, chunk.data());
+    for (int d = 0; d < rank; ++d) chunk_size *= static_cast<double>(chunk[static_cast<std::size_t>(d)]);
+    if (chunk_size > static_cast<double>(largest_chunk))
+      refuse(path, fmt::format("has chunks of {:.0f} bytes, expected at most {}", chunk_size, largest_chunk));
+  }
   const auto stored = static_cast<double>(H5Dget_storage_size(dataset.get()));
   if (claimed > stored * largest_compression)
-    refuse(path, fmt::format("claims {:.0f} bytes but only {:.0f} are stored; its data is missing", claimed, stored));
+    refuse(path,
+           fmt::format("claims {:.0f} bytes but only {:.0f} are stored, expected all of its data", claimed, stored));
 }
 
 template <class T> std::vector<T> H5Reader::dataset(const char* path, const Shape& expected) const {
@@ -501,7 +554,6 @@ template <class T> std::vector<T> H5Reader::dataset(const char* path, const Shap
   if (!same_kind(type.get(), ElementType<T>::file()))
     refuse(path, fmt::format("holds {}, expected {}", type_name(type.get()), ElementType<T>::name));
   expect_shape(path, shape(path, expected.size()), expected);
-  expect_stored(path, dataset);
   std::vector<T> values(static_cast<std::size_t>(product(expected)));
   if (!values.empty() &&
       H5Dread(dataset.get(), ElementType<T>::memory(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
@@ -523,7 +575,6 @@ std::vector<std::uint8_t> H5Reader::enums(const char* path, const Shape& expecte
     refuse(path, fmt::format("holds {}, expected an enum of 8 bits {{{}}}", type_name(type.get()), text));
   }
   expect_shape(path, shape(path, expected.size()), expected);
-  expect_stored(path, dataset);
   std::vector<std::uint8_t> values(static_cast<std::size_t>(product(expected)));
   if (H5Dread(dataset.get(), wanted.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) refuse_damaged(path);
   return values;
@@ -536,7 +587,6 @@ void H5Reader::rows(const char* path, std::int64_t rows, std::int64_t columns,
   if (!same_kind(type.get(), H5T_IEEE_F64LE))
     refuse(path, fmt::format("holds {}, expected f64", type_name(type.get())));
   expect_shape(path, shape(path, 2), {rows, columns});
-  expect_stored(path, dataset);
   const H5Id space = space_id(H5Dget_space(dataset.get()));
   const std::int64_t step = chunk_shape({rows, columns}, sizeof(double))[0];
   std::vector<double> block(static_cast<std::size_t>(step * columns));
@@ -582,7 +632,6 @@ std::vector<std::string> H5Reader::read_texts(const std::string& path, const H5I
 std::vector<std::string> H5Reader::strings(const char* path) const {
   const H5Id dataset = open_dataset(path);
   shape(path, 1);
-  expect_stored(path, dataset);
   return read_texts(path, dataset, false);
 }
 

@@ -2,6 +2,8 @@
 
 #include <atomic>
 #include <csignal>
+#include <cstdint>
+#include <ctime>
 #include <unistd.h>
 
 namespace iga::io {
@@ -9,10 +11,19 @@ namespace iga::io {
 namespace {
 
 std::atomic<int> arrived{0};
-static_assert(std::atomic<int>::is_always_lock_free, "the handler may only touch lock-free atomics");
+std::atomic<std::int64_t> arrived_at{0}; // s
+static_assert(std::atomic<int>::is_always_lock_free && std::atomic<std::int64_t>::is_always_lock_free,
+              "the handler may only touch lock-free atomics");
+constexpr std::int64_t same_event = 1; // s between two signals that tell the same
 
 extern "C" void note_signal(int number) {
-  if (arrived.exchange(number) != 0) _exit(128 + number);
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  int none = 0;
+  if (arrived.compare_exchange_strong(none, number))
+    arrived_at = now.tv_sec;
+  else if (now.tv_sec > arrived_at + same_event)
+    _exit(128 + number);
 }
 
 } // namespace
@@ -22,8 +33,10 @@ void install_signal_handlers() {
   action.sa_handler = note_signal;
   sigemptyset(&action.sa_mask);
   action.sa_flags = SA_RESTART;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  for (const int number : {SIGINT, SIGTERM, SIGQUIT}) sigaction(number, &action, nullptr);
+  struct sigaction before {};
+  sigaction(SIGHUP, nullptr, &before);
+  if (before.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);
   // A file that reaches the process's size limit is a failed write with a message, not a death.
   action.sa_handler = SIG_IGN;
   sigaction(SIGXFSZ, &action, nullptr);

@@ -6,7 +6,9 @@ namespace iga::io {
 /// Thrown where a poll finds the flag set; ends the program with 128 + the signal's number.
 struct Interrupted {};
 
-/// From now on the first SIGINT or SIGTERM only sets the flag; a second one ends the program at once.
+/// From now on the first SIGINT, SIGTERM, SIGHUP or SIGQUIT only sets the flag; another one a second later or more ends
+/// the program at once. (Closing a terminal or stopping a service sends two at a time.) SIGHUP stays ignored where it
+/// is, as under nohup.
 void install_signal_handlers();
 
 /// Number of the signal that arrived, 0 for none.

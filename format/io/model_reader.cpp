@@ -172,7 +172,10 @@ TrimmedModel load_model(const std::filesystem::path& path) {
   try {
     return load(file);
   } catch (const std::bad_alloc&) {
-    throw FormatError(fmt::format("{}: holds more data than fits into this machine's memory", path.string()));
+    throw InputError(
+        fmt::format("{}: holds more data than fits into the memory that is free; close other programs, use "
+                    "a machine with more memory, or make a smaller file with larger spans",
+                    path.string()));
   }
 }
 

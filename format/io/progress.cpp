@@ -1,6 +1,7 @@
 #include "format/io/progress.hpp"
 
-#include <cstdio>
+#include "format/io/standard_streams.hpp"
+
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -32,9 +33,8 @@ void Progress::start(const std::string& stage) {
   stage_ = stage;
   begin_ = last_ = Clock::now();
   noted_ = false;
-  if (style_ == ProgressStyle::Lines) fmt::print(stderr, "{} …\n", stage_);
-  if (style_ == ProgressStyle::Bar) fmt::print(stderr, "\r\033[K{} …", stage_);
-  std::fflush(stderr);
+  if (style_ == ProgressStyle::Lines) write_message(fmt::format("{} …\n", stage_));
+  if (style_ == ProgressStyle::Bar) write_message(fmt::format("\r\033[K{} …", stage_));
 }
 
 void Progress::update(std::int64_t done, std::int64_t total) {
@@ -65,19 +65,17 @@ void Progress::show(std::int64_t done, std::int64_t total, double elapsed, const
   const std::string text = note.empty() ? "" : "; " + note;
   if (style_ == ProgressStyle::Bar) {
     const std::int64_t filled = bar_width * done / total;
-    fmt::print(stderr, "\r\033[K{} [{:#<{}}{:.<{}}] {:3.0f} %{}{}", stage_, "", filled, "", bar_width - filled,
-               100 * share, left, text);
+    write_message(fmt::format("\r\033[K{} [{:#<{}}{:.<{}}] {:3.0f} %{}{}", stage_, "", filled, "", bar_width - filled,
+                              100 * share, left, text));
   } else {
-    fmt::print(stderr, "{}: {:.0f} %{}{}\n", stage_, 100 * share, left, text);
+    write_message(fmt::format("{}: {:.0f} %{}{}\n", stage_, 100 * share, left, text));
   }
-  std::fflush(stderr);
 }
 
 void Progress::finish() {
   const std::lock_guard lock(mutex_);
   if (style_ == ProgressStyle::Bar && !stage_.empty()) {
-    fmt::print(stderr, "\r\033[K");
-    std::fflush(stderr);
+    write_message("\r\033[K");
   }
   stage_.clear();
 }

@@ -1,5 +1,6 @@
 #include "format/io/replace_file.hpp"
 
+#include "format/io/temporary_name.hpp"
 #include "format/model/errors.hpp"
 
 #include <cerrno>
@@ -38,10 +39,15 @@ ReplacementFile::ReplacementFile(std::filesystem::path target) : target_(std::mo
   if (std::filesystem::is_directory(target_, error))
     throw InputError(fmt::format("{}: is a folder; name a file in it", target_.string()));
   // A link is written through: the file that it names is replaced, the link stays.
-  if (std::filesystem::is_symlink(target_, error)) target_ = std::filesystem::weakly_canonical(target_, error);
+  if (std::filesystem::is_symlink(target_, error)) {
+    const auto named = std::filesystem::weakly_canonical(target_, error);
+    if (error)
+      throw InputError(fmt::format("{}: is a link that leads to no file: {}", target_.string(), error.message()));
+    target_ = named;
+  }
   if (std::filesystem::exists(target_, error) && !std::filesystem::is_regular_file(target_, error))
     throw InputError(fmt::format("{}: is not an ordinary file and cannot be replaced by one", target_.string()));
-  std::string name = (folder_of(target_) / fmt::format(".{}.tmp-XXXXXX", target_.filename().string())).string();
+  std::string name = temporary_pattern(target_).string();
   const int fd = mkostemp(name.data(), O_CLOEXEC);
   if (fd < 0) fail(target_, "no file can be made");
   temporary_ = name;

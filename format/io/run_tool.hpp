@@ -10,8 +10,9 @@ namespace iga::io {
 enum ExitCode : int { exit_done = 0, exit_our_bug = 1, exit_input = 2, exit_format = 3, exit_numerical = 4 };
 
 /// Runs `work` and returns its result, or the exit code of what it threw after printing "name: error: …" to stderr:
-/// InputError 2, FormatError 3, NumericalError 4, Interrupted 130 or 143, a failed system call or exhausted memory 2,
-/// anything else 1.
+/// InputError 2, FormatError 3, NumericalError 4, Interrupted 128 + the signal's number (SIGHUP 129, SIGINT 130,
+/// SIGQUIT 131, SIGTERM 143), a report whose reader has gone 141, a failed system call or exhausted memory 2, anything
+/// else 1.
 int run_tool(const std::string& name, const std::function<int()>& work);
 
 } // namespace iga::io

@@ -102,10 +102,6 @@ void write_whole(const std::filesystem::path& path, const std::string& bytes) {
   file.commit();
 }
 
-std::filesystem::path step_folder(const std::filesystem::path& results) {
-  return results.parent_path() / (results.stem().string() + "_vtp");
-}
-
 std::string step_name(const std::filesystem::path& results, std::size_t step) {
   return fmt::format("{}_{:04d}.vtp", results.stem().string(), step + 1);
 }
@@ -152,7 +148,7 @@ void write_step(const std::filesystem::path& path, const Results& results, std::
 // Steps of an earlier, longer series would only confuse.
 void remove_other_steps(const std::filesystem::path& results, std::size_t num_steps) {
   std::error_code error;
-  for (std::size_t step = num_steps; std::filesystem::remove(step_folder(results) / step_name(results, step), error);)
+  for (std::size_t step = num_steps; std::filesystem::remove(viewer_folder(results) / step_name(results, step), error);)
     ++step;
 }
 
@@ -195,6 +191,10 @@ std::filesystem::path viewer_index(const std::filesystem::path& results) {
   return std::filesystem::path(results).replace_extension(".pvd");
 }
 
+std::filesystem::path viewer_folder(const std::filesystem::path& results) {
+  return results.parent_path() / (results.stem().string() + "_vtp");
+}
+
 void check_viewer_target(const std::filesystem::path& results, bool force) {
   std::error_code error;
   const auto index = viewer_index(results);
@@ -205,7 +205,7 @@ void check_viewer_target(const std::filesystem::path& results, bool force) {
 void write_viewer_files(const std::filesystem::path& results_path, const Results& results, bool force) {
   check_viewer_target(results_path, force);
   const SurfaceResult& s = *results.surface;
-  const auto folder = step_folder(results_path);
+  const auto folder = viewer_folder(results_path);
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) throw InputError(fmt::format("{}: the folder cannot be made: {}", folder.string(), error.message()));

@@ -41,6 +41,9 @@ void write_viewer_index(const std::filesystem::path& index, std::span<const View
 /// Where the viewer files of a results file lie: modes.h5 → modes.pvd and modes_vtp/modes_0001.vtp …
 std::filesystem::path viewer_index(const std::filesystem::path& results);
 
+/// The folder of the steps: modes_vtp.
+std::filesystem::path viewer_folder(const std::filesystem::path& results);
+
 /// @throws InputError where the .pvd exists and `force` is not set
 void check_viewer_target(const std::filesystem::path& results, bool force);
 

@@ -1,10 +1,13 @@
 #include "solver/explicit/explicit_command.hpp"
 
 #include "format/io/interrupt.hpp"
+#include "format/io/output_claim.hpp"
 #include "format/io/results_io.hpp"
 #include "format/io/sha256.hpp"
+#include "format/io/standard_streams.hpp"
 #include "format/io/vtp_writer.hpp"
 #include "format/model/errors.hpp"
+#include "format/model/version.hpp"
 #include "solver/explicit/explicit_report.hpp"
 #include "solver/stopwatch.hpp"
 
@@ -24,8 +27,9 @@ std::vector<InputFile> hashed(const ExplicitRun& run) {
 }
 
 void check_targets(const ExplicitCommand& command, const ExplicitRun& run, const std::filesystem::path& output) {
+  const auto restart = restart_path(output);
   if (command.restart) {
-    for (const auto& file : {restart_path(output), output})
+    for (const auto& file : {restart, output})
       if (!std::filesystem::exists(file))
         throw InputError(fmt::format(
             "{}: there is nothing to go on with: no such file; start the run without --restart", file.string()));
@@ -33,6 +37,24 @@ void check_targets(const ExplicitCommand& command, const ExplicitRun& run, const
   }
   io::check_results_target(output, command.force);
   if (run.out.viewer) io::check_viewer_target(output, command.force);
+  if (!command.force && std::filesystem::exists(restart))
+    throw InputError(fmt::format("{}: exists, and a run that ends removes it; choose another name for the results, or "
+                                 "add --force",
+                                 restart.string()));
+}
+
+io::OutputClaim claim_outputs(const ExplicitCommand& command, const ExplicitRun& run,
+                              const std::filesystem::path& output) {
+  io::OutputPlan plan{{output, restart_path(output)}, {fields_folder(output)}};
+  if (run.out.viewer) {
+    plan.files.push_back(io::viewer_index(output));
+    plan.folders.push_back(io::viewer_folder(output));
+  }
+  std::vector<std::filesystem::path> inputs{run.file};
+  inputs.insert(inputs.end(), run.inputs.begin(), run.inputs.end());
+  io::refuse_replaced_inputs(plan, inputs);
+  check_targets(command, run, output);
+  return {plan, inputs};
 }
 
 Results head_of(const ExplicitCommand& command, const ExplicitScene& scene, const std::vector<InputFile>& inputs) {
@@ -70,7 +92,7 @@ Results head_of(const ExplicitCommand& command, const ExplicitScene& scene, cons
     for (int j = 0; j < 6; ++j) head.stiffness[static_cast<std::size_t>(6 * i + j)] = C(i, j);
   Provenance& p = head.provenance;
   p.producer = "igasolve";
-  p.version = IGA_VERSION;
+  p.version = program_version();
   p.command_line = command.text;
   p.inputs.assign(inputs.begin() + 1, inputs.end());
   p.inputs.push_back(inputs.front());
@@ -95,7 +117,7 @@ int run_explicit(const ExplicitCommand& command) {
   std::optional<tbb::global_control> threads;
   if (command.threads)
     threads.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(*command.threads));
-  check_targets(command, run, output);
+  const io::OutputClaim claim = claim_outputs(command, run, output);
   const bool quiet = command.style == ReportStyle::Quiet;
   io::Progress progress(io::progress_style(quiet));
   Timings timings;
@@ -106,7 +128,7 @@ int run_explicit(const ExplicitCommand& command) {
   std::vector<std::string> warnings;
   if (command.restart) { // before hours of work
     restart = read_restart(restart_path(output));
-    warnings = check_restart(*restart, run, inputs, restart_path(output), IGA_VERSION);
+    warnings = check_restart(*restart, run, inputs, restart_path(output), program_version());
   }
   ExplicitScene scene(run);
   warnings.insert(warnings.end(), scene.warnings().begin(), scene.warnings().end());
@@ -139,13 +161,14 @@ int run_explicit(const ExplicitCommand& command) {
   }
   outputs.header().provenance.timings = timings;
   if (!quiet)
-    for (const std::string& warning : warnings) fmt::print(stderr, "igasolve: warning: {}\n", warning);
+    for (const std::string& warning : warnings) io::write_message(fmt::format("igasolve: warning: {}\n", warning));
   const int signal = loop.run();
   if (signal != 0) {
     const bool can_go_on = std::filesystem::exists(restart_path(output));
-    fmt::print(stderr, "igasolve: interrupted at t = {:.6g}; {} holds the results so far{}\n",
-               scene.integrator().time(), output.string(),
-               can_go_on ? fmt::format(", {} the state: add --restart to go on", restart_path(output).string()) : "");
+    io::write_message(fmt::format(
+        "igasolve: interrupted at t = {:.6g}; {} holds the results so far{}\n", scene.integrator().time(),
+        output.string(),
+        can_go_on ? fmt::format(", {} the state: add --restart to go on", restart_path(output).string()) : ""));
     return 128 + signal;
   }
   watch.stage("stepping");
@@ -155,12 +178,12 @@ int run_explicit(const ExplicitCommand& command) {
   outputs.publish(recorder.series());
   remove_restart(output);
   if (quiet) return io::exit_done;
-  for (const std::string& warning : loop.warnings()) fmt::print(stderr, "igasolve: warning: {}\n", warning);
+  for (const std::string& warning : loop.warnings()) io::write_message(fmt::format("igasolve: warning: {}\n", warning));
   const ExplicitOutcome outcome{scene, recorder, outputs, loop, timings, warnings};
   if (command.style == ReportStyle::Json)
-    fmt::print("{}\n", explicit_json(outcome));
+    io::write_report(fmt::format("{}\n", explicit_json(outcome)));
   else
-    fmt::print("{}", explicit_text(outcome));
+    io::write_report(explicit_text(outcome));
   return io::exit_done;
 }
 

@@ -2,6 +2,7 @@
 
 #include "format/io/interrupt.hpp"
 #include "format/model/errors.hpp"
+#include "format/model/version.hpp"
 
 #include <cmath>
 #include <cstdio>
@@ -107,7 +108,7 @@ void ExplicitLoop::follow_up() {
 
 void ExplicitLoop::write_restart_file() const {
   RestartState restart;
-  restart.version = IGA_VERSION;
+  restart.version = program_version();
   restart.inputs = parts_.inputs;
   restart.settings = settings_to_keep(parts_.scene.run());
   restart.limits = parts_.scene.limits();

@@ -32,6 +32,10 @@ double size_of(const std::vector<FieldSampler>& samplers) {
 
 } // namespace
 
+std::filesystem::path fields_folder(const std::filesystem::path& results) {
+  return results.parent_path() / (results.stem().string() + "_fields");
+}
+
 RunOutputs::RunOutputs(const ExplicitScene& scene, std::filesystem::path results, Results head)
     : scene_(scene), path_(std::move(results)), folder_(path_.parent_path()), results_(std::move(head)) {
   for (std::size_t b = 0; b < scene.num_bodies(); ++b)

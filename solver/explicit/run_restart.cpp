@@ -5,9 +5,13 @@
 #include "format/io/sha256.hpp"
 #include "format/model/errors.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
+#include <limits>
 #include <map>
 #include <set>
+#include <type_traits>
 
 namespace iga::solve {
 
@@ -73,7 +77,13 @@ class Take {
       : file_(file), path_(std::move(path)), from_(read_numbers(file_, path_)) {}
   template <class T> void operator()(T& to) {
     if (next_ >= from_.size()) file_.refuse(path_, "holds fewer numbers than expected");
-    to = static_cast<T>(from_[next_++]);
+    const double value = from_[next_++];
+    // Counts are kept as numbers too; the limits of T as a double are at most one above what T holds.
+    if (std::is_integral_v<T> &&
+        !(value == std::floor(value) && value >= static_cast<double>(std::numeric_limits<T>::min()) &&
+          std::abs(value) < 0x1p53 && value <= static_cast<double>(std::numeric_limits<T>::max())))
+      file_.refuse(path_, fmt::format("number {} is {}, expected a count", next_ - 1, value));
+    to = static_cast<T>(value);
   }
   void expect_end() const {
     if (next_ != from_.size()) file_.refuse(path_, fmt::format("holds {} numbers, expected {}", from_.size(), next_));
@@ -229,8 +239,12 @@ RestartState read_restart(const std::filesystem::path& path) {
     for_each_limit_number(r.limits.back(), own);
     for_each_body_number(r.state.bodies.back(), own);
     own.expect_end();
-    for_each_array(r.state.bodies.back(),
-                   [&](const char* array, std::vector<double>& to) { to = read_numbers(file, group + array); });
+    for_each_array(r.state.bodies.back(), [&](const char* array, std::vector<double>& to) {
+      to = read_numbers(file, group + array);
+      const auto bad = std::find_if(to.begin(), to.end(), [](double x) { return !std::isfinite(x); });
+      if (bad != to.end())
+        file.refuse(group + array, fmt::format("number {} is {}, expected a finite one", bad - to.begin(), *bad));
+    });
   }
   for (const std::string& name : file.strings("/source_names"))
     r.state.sources.push_back({name, read_numbers(file, "/" + name), 0});

@@ -94,7 +94,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"NoOutputFolder", {"cube.stl", "-o", "nowhere/a.h5"}, {"nowhere", "does not exist"}},
         Case{"OutputIsAFolder", {"cube.stl", "-o", ".", "--force"}, {"no ordinary file"}},
         Case{"OutputIsADevice", {"cube.stl", "-o", "/dev/full", "--force"}, {"/dev/full", "no ordinary file"}},
-        Case{"OutputIsTheInput", {"cube.stl", "-o", "cube.stl", "--force"}, {"replace the input"}}),
+        Case{"OutputIsTheInput", {"cube.stl", "-o", "cube.stl", "--force"}, {"never replaced"}}),
     [](const auto& test) { return test.param.name; });
 
 struct IgaprepOutput : IgaprepRefuses {};

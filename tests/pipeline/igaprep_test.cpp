@@ -218,7 +218,7 @@ TEST_P(Interrupted, LeavesTheOldFileAndNothingElse) {
   EXPECT_EQ(read_bytes(folder / "cube.h5"), "the old file");
 }
 
-INSTANTIATE_TEST_SUITE_P(Signals, Interrupted, testing::Values(SIGINT, SIGTERM));
+INSTANTIATE_TEST_SUITE_P(Signals, Interrupted, testing::Values(SIGINT, SIGTERM, SIGHUP, SIGQUIT));
 
 // Points being reduced are no reason to lose the rules there are.
 TEST_P(Interrupted, WhileReducingWritesTheRulesThereAre) {
