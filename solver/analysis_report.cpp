@@ -1,8 +1,10 @@
 #include "solver/analysis_report.hpp"
 
+#include "format/io/progress.hpp"
 #include "format/io/results_io.hpp"
 #include "format/io/sha256.hpp"
 #include "format/io/vtp_writer.hpp"
+#include "solver/interruptible.hpp"
 #include "solver/model_summary.hpp"
 
 #include <chrono>
@@ -105,11 +107,13 @@ ResultsHeader results_header(const AnalysisRun& run, const char* analysis, const
 }
 
 void write_outputs(const AnalysisRun& run, const Results& results) {
+  const OutputsBeingWritten writing;
   io::write_results(run.settings.output, results, run.command.force);
   if (run.settings.viewer) io::write_viewer_files(run.settings.output, results, run.command.force);
 }
 
 void print_report(const AnalysisRun& run, const std::string& report) {
+  if (run.settings.progress) run.settings.progress->finish();
   if (run.command.style == ReportStyle::Quiet) return;
   for (const std::string& warning : run.warnings) fmt::print(stderr, "igasolve: warning: {}\n", warning);
   fmt::print("{}{}", report, run.command.style == ReportStyle::Json ? "\n" : "");

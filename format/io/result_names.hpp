@@ -10,7 +10,7 @@
 namespace iga::io::result_names {
 
 constexpr const char* format = "iga-trimmed-solid-results";
-constexpr const char* format_version = "1.1";
+constexpr const char* format_version = "1.2";
 constexpr int format_major = 1;
 
 constexpr std::array<EnumName, 3> kinds{{{"RIGID", 0}, {"ELASTIC", 1}, {"MECHANISM", 2}}};
