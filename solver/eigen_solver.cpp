@@ -177,7 +177,6 @@ class Search {
       found = search(wanted, tolerance, beside_found, seed, Product::Energy);
     if (!found.converged)
       throw NumericalError(fmt::format("Lanczos did not converge to {} modes after {} solutions", wanted, set_.solves));
-    watch_.stage("Lanczos");
     return found.vectors;
   }
 
@@ -213,8 +212,12 @@ class Search {
       problem_.progress->start(beside_found ? "iterations (missing modes)" : "iterations");
       lanczos_problem.progress = [&](int converged, int all) { problem_.progress->update(converged, all); };
     }
-    LanczosResult found = block_lanczos(
-        lanczos_problem, {.wanted = wanted, .block = settings_.block, .tolerance = tolerance, .seed = seed});
+    // Where rounding keeps the energy product from converging too, more restarts do not help.
+    LanczosResult found = block_lanczos(lanczos_problem, {.wanted = wanted,
+                                                          .block = settings_.block,
+                                                          .tolerance = tolerance,
+                                                          .max_restarts = product == Product::Energy ? 10 : 100,
+                                                          .seed = seed});
     set_.solves += found.applied * (product == Product::Energy ? 2 : 1);
     return found;
   }
@@ -256,6 +259,7 @@ class Search {
     for (;;) {
       const Index wanted = std::min<Index>(dimensions_, settings_.modes + extra);
       pairs_.X = dense_ ? dense(wanted) : lanczos(static_cast<int>(wanted), lanczos_tolerance, false, 1);
+      if (!dense_) watch_.stage("Lanczos");
       pairs_.rayleigh_ritz(problem_);
       whole_ = whole_count();
       if (whole_ > 0) return;
@@ -301,6 +305,7 @@ class Search {
       if (missing == 0) return;
       if (missing < 0) break;
       take_in(lanczos(static_cast<int>(missing), lanczos_tolerance, true, static_cast<std::uint64_t>(round) + 2));
+      watch_.stage("Lanczos again");
     }
     if (!(system.added > 0))
       throw NumericalError(fmt::format("the Sturm count finds {} eigenvalues below omega² = {:.6g}, Lanczos {}: one of "
@@ -325,6 +330,7 @@ class Search {
       watch_.stage("second search");
       if (next.lambda[0] > pairs_.lambda[whole_ - 1]) return;
       take_in(lanczos(1, lanczos_tolerance, true, static_cast<std::uint64_t>(round) + 100));
+      watch_.stage("Lanczos again");
     }
   }
 
