@@ -3,10 +3,10 @@
 #include "preprocessor/surface_quadrature.hpp"
 
 #include "format/model/errors.hpp"
+#include "format/model/triangle_rule.hpp"
 #include "format/model/vec3.hpp"
 #include "preprocessor/gauss_rule.hpp"
 #include "preprocessor/span_owner.hpp"
-#include "preprocessor/triangle_rule.hpp"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Draws an interchange file or a results file: scripts/render.py FILE.h5 [--output folder]
+"""Draws an interchange file, a results file or the choices of a run file: scripts/render.py FILE.h5 [--output folder]
 
 Of a part (igaprep part.stl -o part.h5):
   <part>_spans.png      the part in its grid, interior and trimmed spans in two colours, partly cut away
@@ -10,6 +10,9 @@ Of results (igasolve eigen part.h5 … -o modes.h5, igasolve static …):
   <modes>_mode_<n>.png  one mode each, for --mode n (numbers of the results file, the first is 1)
   <static>_static.png   the deformed part
   <explicit>_frames.png six times of an explicit run, cut in half, in their true places (--whole: not cut)
+
+Of a run file (scripts/render.py --choices run.toml; igasolve static and eigen):
+  <run>_choices.png     the part from both sides, the surface that each support and load has chosen in a colour
 
 Deformations are exaggerated so that the largest displacement is some per cent of the part, or by --scale; the part at rest
 is outlined. Needs h5py, matplotlib and the VTK that python3-paraview brings; without a screen it starts itself again under
@@ -24,7 +27,9 @@ from pathlib import Path
 
 def parse_arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("file", type=Path, help="interchange or results file (.h5)")
+    parser.add_argument("file", type=Path, nargs="?", help="interchange or results file (.h5)")
+    parser.add_argument("--choices", type=Path, metavar="RUN.toml", help="draw the surface that a run file's supports and "
+                        "loads have chosen")
     parser.add_argument("--output", type=Path, help="folder of the pictures (default: the file's)")
     model = parser.add_argument_group("parts")
     model.add_argument("--axis", choices="uvw", help="grid axis across the layer of points (default: the part's thinnest)")
@@ -38,7 +43,10 @@ def parse_arguments():
     results.add_argument("--mode", type=int, nargs="+", default=[], metavar="N", help="draw these modes, one picture each")
     results.add_argument("--sight", type=float, nargs=3, metavar=("X", "Y", "Z"), default=(0.62, 1.0, -0.62),
                          help="direction of sight (default: 0.62 1 -0.62)")
-    return parser.parse_args()
+    arguments = parser.parse_args()
+    if (arguments.file is None) == (arguments.choices is None):
+        parser.error("give an interchange or results file (.h5), or --choices run.toml")
+    return arguments
 
 
 def need_a_screen():
@@ -53,9 +61,14 @@ def need_a_screen():
 
 def main():
     arguments = parse_arguments()
-    if not arguments.file.is_file():
-        sys.exit(f"render.py: {arguments.file}: no such file")
+    file = arguments.file or arguments.choices
+    if not file.is_file():
+        sys.exit(f"render.py: {file}: no such file")
     need_a_screen()
+    if arguments.choices:
+        import render_choices
+        render_choices.draw(arguments)
+        return
     import h5py  # only after the screen is there
 
     try:

@@ -1,10 +1,12 @@
 #include "solver/analysis_report.hpp"
 
+#include "format/io/progress.hpp"
 #include "format/io/results_io.hpp"
 #include "format/io/sha256.hpp"
 #include "format/io/standard_streams.hpp"
 #include "format/io/vtp_writer.hpp"
 #include "format/model/version.hpp"
+#include "solver/interruptible.hpp"
 #include "solver/model_notes.hpp"
 #include "solver/model_summary.hpp"
 
@@ -130,11 +132,13 @@ ResultsHeader results_header(const AnalysisRun& run, const char* analysis, const
 }
 
 void write_outputs(const AnalysisRun& run, const Results& results) {
+  const OutputsBeingWritten writing;
   io::write_results(run.settings.output, results, run.command.force);
   if (run.settings.viewer) io::write_viewer_files(run.settings.output, results, run.command.force);
 }
 
 void print_report(const AnalysisRun& run, const std::string& report) {
+  if (run.settings.progress) run.settings.progress->finish();
   if (run.command.style == ReportStyle::Quiet) return;
   io::write_report(fmt::format("{}{}", report, run.command.style == ReportStyle::Json ? "\n" : ""));
 }

@@ -56,6 +56,10 @@ struct Reaction {
   Point3 force{};  ///< force, the part's frame
   Point3 moment{}; ///< force · length
   double work = 0; ///< ½ ∫ t · u_D dA: work of the support's traction on its prescribed displacement
+  /// What a weakly imposed displacement leaves open, u - u_D along the fixed directions, takes part in the energies:
+  /// strain energy + penalty_energy = external work + work + gap_work. Zero with multipliers.
+  double gap_work = 0;       ///< ∫ (σ n) · (u - u_D) dA with Nitsche's method, zero with the penalty method
+  double penalty_energy = 0; ///< ½ ∫ β |u - u_D|² dA
 };
 
 /// Reactions of all supports, each by its method's own consistent traction: they balance the loads to rounding.

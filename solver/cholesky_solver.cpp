@@ -14,7 +14,8 @@ namespace {
 
 // What is added to the unit diagonal of a shifted, scaled system that rounding has made indefinite: functions on
 // slivers are nearly dependent, and K - shift M, positive definite in exact arithmetic, may have a negative pivot of
-// the size of rounding. The change only touches combinations that hold a share of 1e-13 of their parts' energy.
+// the size of rounding. The change touches combinations that hold a share of 1e-13 of their parts' energy: of a part
+// much thinner than its spans that is its bending, which those who solve win back by refinement.
 constexpr double roundings[]{0, 1e-14, 1e-13};
 
 // Ratio of the smallest to the largest pivot of a scaled system without a shift below which it counts as singular: a
@@ -25,13 +26,14 @@ constexpr double singular = 1e-13;
 class CholeskySolver final : public LinearSolver {
  public:
   CholeskySolver(const SystemColumns& columns, const std::vector<std::int64_t>& order, bool definite_by_nature,
-                 const char* advice)
+                 const char* advice, const std::function<void(const FactorCost&)>& announce = {})
       : scale_(columns.scale) {
     follow_run_threads();
     cholmod_sparse A =
         lower_triangle(static_cast<std::size_t>(columns.size()), columns.offsets, columns.rows, columns.values.data());
     analyse(A, order);
     require_memory(cost_, size(), free_memory());
+    if (announce) announce(cost_);
     factorise(A, definite_by_nature, advice);
   }
   ~CholeskySolver() override {
@@ -62,6 +64,7 @@ class CholeskySolver final : public LinearSolver {
   }
   std::int64_t size() const override { return scale_.size(); }
   FactorCost cost() const override { return cost_; }
+  double added_to_diagonal() const override { return added_; }
 
  private:
   void analyse(cholmod_sparse& A, const std::vector<std::int64_t>& order) {
@@ -89,8 +92,10 @@ class CholeskySolver final : public LinearSolver {
                                      "spans or a lower degree",
                                      size(), static_cast<double>(cost_.nonzeros)));
       if (common_->status != CHOLMOD_NOT_POSDEF &&
-          (definite_by_nature || cholmod_l_rcond(factor_, common_.get()) > singular))
+          (definite_by_nature || cholmod_l_rcond(factor_, common_.get()) > singular)) {
+        added_ = added;
         return;
+      }
     }
     const auto* permutation = static_cast<const SuiteSparse_long*>(factor_->Perm);
     const auto k = static_cast<std::int64_t>(factor_->minor);
@@ -104,6 +109,7 @@ class CholeskySolver final : public LinearSolver {
   mutable CholmodCommon common_;
   cholmod_factor* factor_ = nullptr;
   FactorCost cost_;
+  double added_ = 0;
   mutable Eigen::MatrixXd scaled_;
   mutable cholmod_dense *solution_ = nullptr, *work_ = nullptr, *small_work_ = nullptr;
 };
@@ -114,18 +120,18 @@ std::unique_ptr<LinearSolver> factorise_positive_definite(const SystemMatrix& sy
   const bool shifted = system.shift < 0 && (system.mass || system.lumped_mass);
   const char* advice =
       shifted
-          ? "either functions on slivers are dependent to rounding (use --light-functions linear or degree-p), or a "
-            "support's penalty or Nitsche terms make the stiffness indefinite"
+          ? "either functions on slivers are dependent to rounding, or a support's penalty or Nitsche terms make the "
+            "stiffness indefinite"
           : "either the supports leave a rigid motion free (support more regions or components), or functions on "
-            "slivers are dependent to rounding (use --light-functions linear or degree-p)";
+            "slivers are dependent to rounding";
   return std::make_unique<CholeskySolver>(scaled_columns(system),
-                                          expand_order(order_nodes(system.stiffness->pattern()), 3), shifted, advice);
+                                          expand_order(order_nodes(system.stiffness->pattern()), 3), shifted, advice,
+                                          system.announce);
 }
 
 std::unique_ptr<LinearSolver> factorise_mass(const MassMatrix& mass) {
   return std::make_unique<CholeskySolver>(scaled_columns(mass), order_nodes(mass.pattern()), true,
-                                          "the consistent mass of functions on slivers is singular to rounding; use "
-                                          "--light-functions linear or degree-p, or a lumped mass");
+                                          "the consistent mass of functions on slivers is singular to rounding");
 }
 
 } // namespace iga::solve

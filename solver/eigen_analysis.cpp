@@ -1,13 +1,20 @@
 #include "solver/eigen_analysis.hpp"
 
+#include "format/model/errors.hpp"
+#include "solver/advice.hpp"
 #include "solver/largest_eigenvalue.hpp"
 #include "solver/prepared_system.hpp"
 #include "solver/rigid_modes.hpp"
+#include "solver/stage_progress.hpp"
 #include "solver/stopwatch.hpp"
+
+#include <fmt/format.h>
 
 namespace iga::solve {
 
-EigenOutcome analyse_modes(const RunSettings& run, const EigenSettings& settings, const TrimmedModel& model) {
+namespace {
+
+EigenOutcome find_modes(const RunSettings& run, const EigenSettings& settings, const TrimmedModel& model) {
   if (settings.largest) refuse_multipliers(run);
   PreparedSystem system = prepare_system(run, model);
   EigenOutcome outcome;
@@ -21,6 +28,7 @@ EigenOutcome analyse_modes(const RunSettings& run, const EigenSettings& settings
   outcome.bodies = bodies.count;
   if (settings.largest) {
     Stopwatch watch(outcome.timings);
+    show_stage(run.progress, "iterations");
     const LargestEigenvalue largest = largest_eigenvalue(system.K, system.M, 1e-8);
     outcome.omega_max = largest.omega;
     outcome.omega_max_residual = largest.residual;
@@ -30,6 +38,7 @@ EigenOutcome analyse_modes(const RunSettings& run, const EigenSettings& settings
   } else {
     EigenProblem problem;
     problem.stiffness = &system.K;
+    problem.progress = run.progress;
     problem.mass = &system.M;
     problem.constraints = outcome.constraints > 0 ? &system.supports.constraints : nullptr;
     problem.motions = rigid_motions(*system.space, bodies);
@@ -40,6 +49,16 @@ EigenOutcome analyse_modes(const RunSettings& run, const EigenSettings& settings
   }
   outcome.space = std::move(system.space);
   return outcome;
+}
+
+} // namespace
+
+EigenOutcome analyse_modes(const RunSettings& run, const EigenSettings& settings, const TrimmedModel& model) {
+  try {
+    return find_modes(run, settings, model);
+  } catch (const NumericalError& error) {
+    throw NumericalError(fmt::format("{}; {}", error.what(), numerical_advice(run, model)));
+  }
 }
 
 } // namespace iga::solve

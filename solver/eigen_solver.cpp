@@ -1,9 +1,12 @@
 #include "solver/eigen_solver.hpp"
 
 #include "format/model/errors.hpp"
+#include "solver/dense_eigen.hpp"
+#include "solver/free_memory.hpp"
 #include "solver/lanczos.hpp"
 #include "solver/rigid_modes.hpp"
 #include "solver/shift_invert.hpp"
+#include "solver/stage_progress.hpp"
 #include "solver/stopwatch.hpp"
 
 #include <Eigen/Eigenvalues>
@@ -38,6 +41,10 @@ constexpr double no_stiffness = 1e-8;
 constexpr double rigid_limit = 1e-4;
 // ω² / λ_scale of anything that may be a mechanism; a first guess, judged against the first elastic mode afterwards.
 constexpr double mechanism_guess = 1e-9;
+// More than this share of all modes, and at least so many, come from a dense solver: Lanczos would fill the space.
+constexpr Index dense_share = 4, dense_least = 64;
+// An eigenvalue of which rounding of K may change this share is no result; of the second one the user is told.
+constexpr double doubtful = 1e-2, worth_telling = 1e-6;
 // The vectors given back are one step of the operator better than this, the eigenvalues twice as many digits.
 constexpr double lanczos_tolerance = 1e-9;
 
@@ -80,7 +87,10 @@ class Search {
                                    "constraints; ask for at most {} modes or use smaller spans",
                                    settings.modes, problem.mass->size(), free_.vectors.cols(), constraints,
                                    dimensions_));
+    dense_ = constraints == 0 && problem.mass->passes() == 1 && settings.modes >= dense_least &&
+             dense_share * settings.modes > dimensions_ && dense_bytes(problem.mass->size()) < free_memory();
     watch_.stage("rigid modes");
+    show_stage(problem.progress, "analysis of the matrix");
     inverse_ = std::make_unique<ShiftInvert>(problem_, shift_);
     set_.factor = inverse_->cost();
     watch_.stage("factorisation");
@@ -88,8 +98,8 @@ class Search {
 
   void run() {
     find_lowest();
-    watch_.stage("Lanczos");
     come_closer();
+    polish();
     if (settings_.sturm.value_or(problem_.mass->size() < sturm_default) && problem_.mass->passes() == 1)
       sturm_check();
     else
@@ -108,36 +118,121 @@ class Search {
       inverse_ = std::make_unique<ShiftInvert>(problem_, shift_);
       watch_.stage("factorisation");
       find_lowest();
-      watch_.stage("Lanczos");
     }
+  }
+
+  // By full matrices. A mass that has fewer dimensions than the model has unknowns has fewer modes.
+  MatrixXd dense(Index wanted) {
+    show_stage(problem_.progress, "dense eigenvalue solver");
+    MatrixXd X = dense_modes(problem_, shift_, free_.mass_vectors, static_cast<int>(wanted));
+    if (X.cols() < wanted) dimensions_ = X.cols();
+    if (settings_.modes > dimensions_)
+      throw InputError(fmt::format("{} modes were asked for, but the quadrature points give the model mass in {} "
+                                   "directions only, beside {} rigid motions; ask for at most {} modes",
+                                   settings_.modes, dimensions_, free_.vectors.cols(), dimensions_));
+    watch_.stage("dense solver");
+    return X;
+  }
+
+  // Lanczos measures by the mass and does not see what a factorisation leaves in motions of hardly any mass: of a part
+  // much thinner than its spans. A step of inverse iteration with refinement sets them right.
+  void polish() {
+    constexpr int most_rounds = 4;
+    double worst = worst_residual();
+    for (int round = 0; round < most_rounds && worst > residual_limit && !dense_; ++round) {
+      const Pairs before = pairs_;
+      MatrixXd X(pairs_.X.rows(), pairs_.X.cols());
+      inverse_->apply_refined(pairs_.MX.data(), X.data(), static_cast<int>(X.cols()));
+      set_.solves += X.cols();
+      X -= free_.vectors * (free_.mass_vectors.transpose() * X);
+      pairs_.X = std::move(X);
+      pairs_.rayleigh_ritz(problem_);
+      const double next = worst_residual();
+      if (!(next < worst)) {
+        pairs_ = before;
+        break;
+      }
+      if (next > 0.5 * worst) break;
+      worst = next;
+    }
+    watch_.stage("refinement");
+  }
+
+  // Of the elastic pairs that are kept, without the forces of constraints.
+  double worst_residual() const {
+    double worst = 0;
+    for (Index k = mechanisms(); k < std::min(whole_, mechanisms() + settings_.modes); ++k) {
+      VectorXd defect = pairs_.KX.col(k) - pairs_.lambda[k] * pairs_.MX.col(k);
+      if (problem_.constraints) defect -= inverse_->constraint_forces(defect);
+      worst = std::max(worst, defect.norm() / (std::abs(pairs_.lambda[k]) * pairs_.MX.col(k).norm()));
+    }
+    return worst;
   }
 
   // Eigenpairs of lowest frequency beside the free motions (and beside those found, where asked for).
   MatrixXd lanczos(int wanted, double tolerance, bool beside_found, std::uint64_t seed) {
-    MatrixXd locked = free_.vectors, B_locked = free_.mass_vectors;
-    if (beside_found) {
-      const Index k = locked.cols(), m = pairs_.X.cols();
-      locked.conservativeResize(Eigen::NoChange, k + m);
-      B_locked.conservativeResize(Eigen::NoChange, k + m);
-      locked.rightCols(m) = pairs_.X;
-      B_locked.rightCols(m) = pairs_.MX;
-    }
     wanted = std::min(wanted, static_cast<int>(dimensions_ - (beside_found ? pairs_.X.cols() : 0)));
+    LanczosResult found = search(wanted, tolerance, beside_found, seed, Product::Mass);
+    if (!found.converged && problem_.mass->passes() == 1)
+      found = search(wanted, tolerance, beside_found, seed, Product::Energy);
+    if (!found.converged)
+      throw NumericalError(fmt::format("Lanczos did not converge to {} modes after {} solutions", wanted, set_.solves));
+    return found.vectors;
+  }
+
+  // (K - σ M)⁻¹ M is symmetric in the inner product of M and in that of K - σ M. The latter costs a second solution a
+  // step, but sees motions of hardly any mass, in which rounding keeps the former from converging: Nour-Omid, Parlett,
+  // Ericsson, Jensen (1987), How to implement the spectral transformation.
+  enum class Product { Mass, Energy };
+  LanczosResult search(int wanted, double tolerance, bool beside_found, std::uint64_t seed, Product product) {
+    const auto [locked, B_locked] = locked_motions(beside_found, product);
     LanczosProblem lanczos_problem;
     lanczos_problem.size = problem_.mass->size();
-    lanczos_problem.F = [&](const double* f, double* x, int columns) { inverse_->apply(f, x, columns); };
-    lanczos_problem.B = [&](const double* x, double* f, int columns) { problem_.mass->multiply(x, f, columns); };
     lanczos_problem.locked = &locked;
     lanczos_problem.B_locked = &B_locked;
-    const LanczosResult found = block_lanczos(
-        lanczos_problem, {.wanted = wanted, .block = settings_.block, .tolerance = tolerance, .seed = seed});
-    set_.solves += found.applied;
-    if (!found.converged)
-      throw NumericalError(
-          fmt::format("Lanczos did not converge to {} modes after {} solutions; ask for fewer modes or "
-                      "use --light-functions linear or degree-p",
-                      wanted, found.applied));
-    return found.vectors;
+    MatrixXd between, work;
+    if (product == Product::Mass) {
+      lanczos_problem.F = [&](const double* f, double* x, int columns) { inverse_->apply(f, x, columns); };
+      lanczos_problem.B = [&](const double* x, double* f, int columns) { problem_.mass->multiply(x, f, columns); };
+    } else {
+      lanczos_problem.F = [&](const double* f, double* x, int columns) {
+        between.resize(lanczos_problem.size, columns);
+        work.resize(lanczos_problem.size, columns);
+        inverse_->apply_refined(f, between.data(), columns);
+        problem_.mass->multiply(between.data(), work.data(), columns);
+        inverse_->apply_refined(work.data(), x, columns);
+      };
+      lanczos_problem.B = [&](const double* x, double* f, int columns) {
+        const Eigen::Map<const MatrixXd> X(x, lanczos_problem.size, columns);
+        Eigen::Map<MatrixXd>(f, lanczos_problem.size, columns) =
+            columns_of(*problem_.stiffness, X) - shift_ * columns_of(*problem_.mass, X);
+      };
+    }
+    if (problem_.progress) {
+      problem_.progress->start(beside_found ? "iterations (missing modes)" : "iterations");
+      lanczos_problem.progress = [&](int converged, int all) { problem_.progress->update(converged, all); };
+    }
+    // Where rounding keeps the energy product from converging too, more restarts do not help.
+    LanczosResult found = block_lanczos(lanczos_problem, {.wanted = wanted,
+                                                          .block = settings_.block,
+                                                          .tolerance = tolerance,
+                                                          .max_restarts = product == Product::Energy ? 10 : 100,
+                                                          .seed = seed});
+    set_.solves += found.applied * (product == Product::Energy ? 2 : 1);
+    return found;
+  }
+
+  // Free motions and, where asked for, the pairs found, orthonormal in a product B, and B times these.
+  std::pair<MatrixXd, MatrixXd> locked_motions(bool beside_found, Product product) const {
+    const Index k = free_.vectors.cols(), m = beside_found ? pairs_.X.cols() : 0;
+    MatrixXd X(problem_.mass->size(), k + m), MX(problem_.mass->size(), k + m);
+    X << free_.vectors, pairs_.X.leftCols(m);
+    MX << free_.mass_vectors, pairs_.MX.leftCols(m);
+    if (product == Product::Mass) return {std::move(X), std::move(MX)};
+    VectorXd length(k + m); // of an eigenvector in K - σ M
+    length << VectorXd::Constant(k, std::sqrt(-shift_)),
+        (pairs_.lambda.head(m).array() - shift_).max(0).sqrt().matrix();
+    return {X * length.cwiseInverse().asDiagonal(), MX * length.asDiagonal()};
   }
 
   Index mechanisms() const { return (pairs_.lambda.array() < mechanism_guess * problem_.lambda_scale).count(); }
@@ -163,7 +258,8 @@ class Search {
     Index extra = 3;
     for (;;) {
       const Index wanted = std::min<Index>(dimensions_, settings_.modes + extra);
-      pairs_.X = lanczos(static_cast<int>(wanted), lanczos_tolerance, false, 1);
+      pairs_.X = dense_ ? dense(wanted) : lanczos(static_cast<int>(wanted), lanczos_tolerance, false, 1);
+      if (!dense_) watch_.stage("Lanczos");
       pairs_.rayleigh_ritz(problem_);
       whole_ = whole_count();
       if (whole_ > 0) return;
@@ -195,8 +291,10 @@ class Search {
     else
       system.lumped_mass = problem_.mass->masses();
     system.constraints = problem_.constraints;
+    system.added = inverse_->added_to_diagonal();
     constexpr int most_rounds = 4;
     for (int round = 0; round < most_rounds; ++round) {
+      show_stage(problem_.progress, "Sturm count");
       system.shift = gap();
       const Inertia counts = inertia(system);
       // Each constraint that is not redundant adds a negative eigenvalue.
@@ -209,9 +307,14 @@ class Search {
       take_in(lanczos(static_cast<int>(missing), lanczos_tolerance, true, static_cast<std::uint64_t>(round) + 2));
       watch_.stage("Lanczos again");
     }
-    throw NumericalError(fmt::format("the Sturm count finds {} eigenvalues below omega² = {:.6g}, Lanczos {}; use "
-                                     "--light-functions linear or degree-p, or leave the count out",
-                                     set_.sturm->expected, set_.sturm->shift, set_.sturm->found));
+    if (!(system.added > 0))
+      throw NumericalError(fmt::format("the Sturm count finds {} eigenvalues below omega² = {:.6g}, Lanczos {}: one of "
+                                       "them is wrong by rounding",
+                                       set_.sturm->expected, set_.sturm->shift, set_.sturm->found));
+    set_.sturm.reset();
+    set_.warnings.push_back("rounding keeps the Sturm count from proving that no mode is missing: functions on slivers "
+                            "are nearly dependent; a second search looked for missing ones instead");
+    search_again();
   }
 
   // Another start beside the modes found: whatever it finds below them had been missed.
@@ -250,8 +353,8 @@ class Search {
     residuals(r, first);
     for (Index k = 0; k < r + count; ++k) orient(set_.vectors.col(k));
     if (floppy > 0)
-      set_.warnings.push_back(fmt::format("{} modes beside the rigid ones have no stiffness: parts of the model hang "
-                                          "together by too little",
+      set_.warnings.push_back(fmt::format("{} modes beside the rigid ones have no stiffness: parts of the model are "
+                                          "connected by too little material",
                                           floppy));
     if (count < whole_)
       set_.warnings.push_back(
@@ -267,8 +370,8 @@ class Search {
     const VectorXd diagonal = problem_.stiffness->diagonal();
     const double rounding = rounding_of_products * diagonal.dot(free_.vectors.col(worst).cwiseAbs2());
     if (left > rounding || left > rigid_limit * first)
-      throw NumericalError(fmt::format("a rigid motion has omega² = {:.3g}, the first elastic mode {:.3g}: rounding "
-                                       "hides what is rigid; use --light-functions linear or degree-p",
+      throw NumericalError(fmt::format("a rigid motion has omega² = {:.3g}, the first elastic mode {:.3g}: round-off, "
+                                       "rigid modes cannot be identified",
                                        left, first));
     set_.warnings.push_back(fmt::format("rounding leaves the rigid motions an omega² of {:.2g} of the first elastic "
                                         "mode's: the part is very thin for its spans",
@@ -284,16 +387,29 @@ class Search {
     const MatrixXd KX = columns_of(*problem_.stiffness, set_.vectors), MX = columns_of(*problem_.mass, set_.vectors);
     const VectorXd diagonal = problem_.stiffness->diagonal();
     double rounding = 0; // of K x in the worst pair, by the same measure
+    double doubt = 0;    // share of an elastic eigenvalue that rounding may change
     set_.residual.resize(set_.lambda.size());
     for (Index k = 0; k < set_.lambda.size(); ++k) {
       const double scale = std::max(std::abs(set_.lambda[k]), first_elastic);
       VectorXd defect = KX.col(k) - set_.lambda[k] * MX.col(k);
       if (problem_.constraints) defect -= inverse_->constraint_forces(defect);
       set_.residual[k] = defect.norm() / (scale * MX.col(k).norm());
-      rounding = std::max(rounding, rounding_of_products * diagonal.cwiseProduct(set_.vectors.col(k)).norm() /
-                                        (scale * MX.col(k).norm()));
+      if (k >= rigid && set_.lambda[k] >= first_elastic)
+        doubt = std::max(doubt, rounding_of_products * diagonal.dot(set_.vectors.col(k).cwiseAbs2()) / set_.lambda[k]);
     }
+    if (doubt > doubtful)
+      throw NumericalError(fmt::format("rounding may change an eigenvalue by {:.1g} of itself: the stiffest motions of "
+                                       "the model are too far above its modes",
+                                       doubt));
+    if (doubt > worth_telling)
+      set_.warnings.push_back(fmt::format("rounding may change an omega² by {:.1g} of itself: the stiffest motions of "
+                                          "the model are far stiffer than its modes (a part much thinner than its "
+                                          "spans)",
+                                          doubt));
     const double worst = set_.residual.tail(set_.lambda.size() - rigid).maxCoeff();
+    for (Index k = 0; k < set_.lambda.size() && worst > residual_limit; ++k)
+      rounding = std::max(rounding, product_rounding(diagonal, set_.vectors.col(k)) /
+                                        (std::max(std::abs(set_.lambda[k]), first_elastic) * MX.col(k).norm()));
     if (worst > residual_limit && worst <= rounding)
       set_.warnings.push_back(fmt::format("the residual of an eigenpair is {:.2g}: rounding allows no better here, as "
                                           "the stiffest motions of the model are far stiffer than its modes (a thin "
@@ -301,9 +417,26 @@ class Search {
                                           worst));
     else if (worst > residual_limit)
       throw NumericalError(fmt::format("the residual of an eigenpair is {:.2g}, at most {:g} is allowed: functions on "
-                                       "slivers may swing by themselves at frequencies far below the part's; use "
-                                       "--light-functions linear or degree-p, or --mass consistent",
+                                       "slivers cause spurious low modes, or are dependent to rounding",
                                        worst, residual_limit));
+  }
+
+  // What rounding may leave of K x: each entry of K is at most √(K_ii K_jj), and as wrong as one in the last place.
+  double product_rounding(const VectorXd& diagonal, const Eigen::Ref<const VectorXd>& x) const {
+    const NodePattern& pattern = problem_.stiffness->pattern();
+    const VectorXd root = diagonal.cwiseMax(0).cwiseSqrt(), size = root.cwiseProduct(x.cwiseAbs());
+    VectorXd node(pattern.num_nodes()), sums = VectorXd::Zero(pattern.num_nodes());
+    for (Index i = 0; i < node.size(); ++i) node[i] = size.segment<3>(3 * i).sum();
+    for (Index j = 0; j < node.size(); ++j)
+      for (auto k = static_cast<std::size_t>(pattern.offsets[static_cast<std::size_t>(j)]);
+           k < static_cast<std::size_t>(pattern.offsets[static_cast<std::size_t>(j) + 1]); ++k) {
+        const Index i = pattern.rows[k];
+        sums[i] += node[j];
+        if (i != j) sums[j] += node[i];
+      }
+    double total = 0;
+    for (Index i = 0; i < root.size(); ++i) total += std::pow(root[i] * sums[i / 3], 2);
+    return 4 * std::numeric_limits<double>::epsilon() * std::sqrt(total);
   }
 
   static void orient(Eigen::Ref<VectorXd> x) {
@@ -320,6 +453,7 @@ class Search {
   const EigenSettings& settings_;
   ModeSet& set_;
   double shift_;
+  bool dense_ = false;
   Stopwatch watch_;
   FreeMotions free_;
   Index dimensions_ = 0, whole_ = 0;

@@ -7,6 +7,10 @@
 #include <string>
 #include <utility>
 
+namespace iga::io {
+class Progress;
+}
+
 namespace iga::solve {
 
 struct EigenProblem {
@@ -14,8 +18,9 @@ struct EigenProblem {
   const MassOperator* mass = nullptr;
   const ConstraintMatrix* constraints = nullptr; ///< C x = 0; may be null
   Eigen::MatrixXd motions;                       ///< candidates for rigid modes (rigid_motions); may have no columns
-  Eigen::MatrixXd known;   ///< eigenvectors of an earlier run, if any: they are checked and completed, not searched for
-  double lambda_scale = 1; ///< ω² of the size of the part's first elastic ones: (π c_S / L)²
+  Eigen::MatrixXd known; ///< eigenvectors of an earlier run, if any: they are checked and completed, not searched for
+  io::Progress* progress = nullptr; ///< where stages show themselves; may be null
+  double lambda_scale = 1;          ///< ω² of the size of the part's first elastic ones: (π c_S / L)²
 };
 
 enum class ModeKind {

@@ -57,6 +57,8 @@ Entries make_entries(const SystemMatrix& system) {
   const ConstraintMatrix* C = system.constraints && system.constraints->rows() > 0 ? system.constraints : nullptr;
   SystemColumns columns = scaled_columns(system);
   const std::int64_t n = columns.size(), m = C ? C->rows() : 0;
+  for (std::int64_t j = 0; j < n && system.added > 0; ++j) // the diagonal comes first in its column
+    columns.values[static_cast<std::size_t>(columns.offsets[static_cast<std::size_t>(j)])] += system.added;
   if (n + m > std::numeric_limits<MUMPS_INT>::max())
     throw InputError(fmt::format("{} unknowns are more than MUMPS can number; use larger spans", n + m));
   Entries e;
@@ -114,7 +116,7 @@ class MumpsSolver final : public LinearSolver {
     control(31) = keep_factor ? 0 : 1;
     mumps_.cntl[2] = null_pivot;
     try {
-      factorise();
+      factorise(system.announce);
     } catch (...) {
       call(job_end);
       throw;
@@ -155,7 +157,7 @@ class MumpsSolver final : public LinearSolver {
     dmumps_c(&mumps_);
   }
 
-  void factorise() {
+  void factorise(const std::function<void(const FactorCost&)>& announce) {
     call(job_analyse);
     if (mumps_.infog[0] < 0) fail();
     cost_.nonzeros = mumps_.infog[19] >= 0 ? mumps_.infog[19] : std::int64_t{-1000000} * mumps_.infog[19];
@@ -165,6 +167,7 @@ class MumpsSolver final : public LinearSolver {
       control(14) = percent;
       cost_.bytes = 1e6 * static_cast<double>(mumps_.infog[16]) * (1 + 0.01 * (percent - 20));
       require_memory(cost_, size(), free_memory());
+      if (announce) announce(cost_);
       call(job_factorise);
       const MUMPS_INT status = mumps_.infog[0];
       if (status >= 0) return;
@@ -179,9 +182,10 @@ class MumpsSolver final : public LinearSolver {
       throw InputError(fmt::format("not enough memory to factorise a system of {} unknowns (about {:.2f} GiB); use "
                                    "larger spans or a lower degree",
                                    size(), cost_.bytes / (1024.0 * 1024 * 1024)));
-    throw NumericalError(fmt::format("the factorisation of an indefinite system of {} unknowns failed (MUMPS {}, {}); "
-                                     "look for contradicting supports, or use --light-functions linear or degree-p",
-                                     size(), status, mumps_.infog[1]));
+    throw NumericalError(
+        fmt::format("the factorisation of an indefinite system of {} unknowns failed (MUMPS {}, {}); "
+                    "supports contradict each other, or functions on slivers are dependent to rounding",
+                    size(), status, mumps_.infog[1]));
   }
 
   Entries entries_;

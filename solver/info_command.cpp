@@ -3,6 +3,7 @@
 #include "format/io/standard_streams.hpp"
 #include "format/io/trimmed_model_io.hpp"
 #include "solver/commands.hpp"
+#include "solver/memory_estimate.hpp"
 #include "solver/model_summary.hpp"
 
 #include <fmt/format.h>
@@ -14,7 +15,8 @@ namespace {
 
 using io::JsonObject;
 
-std::string text_report(const std::filesystem::path& file, const TrimmedModel& m, const ModelSummary& s) {
+std::string text_report(const std::filesystem::path& file, const TrimmedModel& m, const ModelSummary& s,
+                        const MemoryEstimate& need) {
   const std::string unit = m.length_unit == "unspecified" ? "" : " " + m.length_unit;
   const auto& q = m.quadrature;
   const auto n = m.grid.spans(), f = m.grid.functions();
@@ -48,6 +50,10 @@ std::string text_report(const std::filesystem::path& file, const TrimmedModel& m
   if (m.surface.bodies > 0) line("bodies", "{}", m.surface.bodies);
   for (const auto& region : s.regions)
     line("  region", "{}: {} triangles, area {:.10g}", region.name, region.triangles, region.area);
+  constexpr double GiB = 1024.0 * 1024 * 1024;
+  line("memory",
+       "igasolve eigen needs about {:.2g} GiB, static {:.2g} GiB (estimated from {:.2g} nonzeros of the factor)",
+       need.eigen / GiB, need.statics / GiB, need.factor_nonzeros);
   const auto& p = m.provenance;
   line("made by", "{} {} at {}", p.producer, p.version, p.created);
   line("command", "{}", p.command_line);
@@ -77,7 +83,8 @@ JsonObject provenance_object(const Provenance& p) {
   return object;
 }
 
-std::string json_report(const std::filesystem::path& file, const TrimmedModel& m, const ModelSummary& s) {
+std::string json_report(const std::filesystem::path& file, const TrimmedModel& m, const ModelSummary& s,
+                        const MemoryEstimate& need) {
   const auto& q = m.quadrature;
   JsonObject grid, spans, points, volume, functions, surface, report;
   std::vector<double> rotation;
@@ -112,6 +119,10 @@ std::string json_report(const std::filesystem::path& file, const TrimmedModel& m
       .add("volume", volume)
       .add("functions", functions)
       .add("surface", surface);
+  report.add("memory_estimate", JsonObject()
+                                    .add("eigen_bytes", need.eigen)
+                                    .add("static_bytes", need.statics)
+                                    .add("factor_nonzeros", need.factor_nonzeros));
   report.add("provenance", provenance_object(m.provenance));
   report.add("findings", m.provenance.findings).add("warnings", m.provenance.warnings);
   return report.text() + "\n";
@@ -123,8 +134,9 @@ int run_info(const ModelCommand& command) {
   const TrimmedModel model = io::read_model(command.model);
   if (command.style == ReportStyle::Quiet) return io::exit_done;
   const ModelSummary summary = summarise(model);
-  io::write_report(command.style == ReportStyle::Json ? json_report(command.model, model, summary)
-                                                      : text_report(command.model, model, summary));
+  const MemoryEstimate need = estimate_memory(model);
+  io::write_report(command.style == ReportStyle::Json ? json_report(command.model, model, summary, need)
+                                                      : text_report(command.model, model, summary, need));
   return io::exit_done;
 }
 

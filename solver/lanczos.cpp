@@ -208,6 +208,7 @@ LanczosResult block_lanczos(const LanczosProblem& problem, const LanczosSettings
       const auto good =
           basis.estimate().head(count).array() <= settings.tolerance * basis.theta().head(count).array().abs();
       result.converged = good.all();
+      if (problem.progress) problem.progress(static_cast<int>(good.count()), static_cast<int>(wanted));
       if (result.converged || !more || (full && restarts >= settings.max_restarts)) {
         result.theta = basis.theta().head(count);
         result.estimate = basis.estimate().head(count);

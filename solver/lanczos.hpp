@@ -18,6 +18,7 @@ struct LanczosProblem {
   const Eigen::MatrixXd* locked = nullptr;   ///< (size × k): B-orthonormal; what is found is B-orthogonal to them
   const Eigen::MatrixXd* B_locked = nullptr; ///< B times these
   Eigen::VectorXd start_scale;               ///< (size): of the random start vectors; empty: 1
+  std::function<void(int converged, int wanted)> progress; ///< told after each step; may be empty
 };
 
 struct LanczosSettings {

@@ -25,10 +25,7 @@ LargestEigenvalue largest_eigenvalue(const StiffnessMatrix& K, const MassOperato
   const LanczosResult found =
       block_lanczos(problem, {.wanted = 1, .block = 1, .max_basis = 120, .tolerance = residual, .max_restarts = 200});
   if (!found.converged || found.theta.size() == 0)
-    throw NumericalError(
-        fmt::format("the largest eigenfrequency did not converge in {} products; use --light-functions "
-                    "linear or a lumped mass",
-                    found.applied));
+    throw NumericalError(fmt::format("the largest eigenfrequency did not converge in {} products", found.applied));
   LargestEigenvalue largest;
   largest.omega = std::sqrt(std::max(0.0, found.theta[0]));
   largest.residual = found.estimate[0] / found.theta[0];

@@ -1,6 +1,7 @@
 #include "solver/light_functions.hpp"
 
 #include "format/model/errors.hpp"
+#include "solver/advice.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -155,13 +156,13 @@ class Planner {
     const Point3 x = model_.grid.to_position(box.lower);
     warnings.push_back(fmt::format(
         "a part of {} spans near ({:.4g}, {:.4g}, {:.4g}) is too thin for its grid: no span has all its functions "
-        "above "
-        "the mass fraction {:.3g}; {}; smaller spans (two or more across the thickness) mend it",
+        "above the mass fraction {:.3g}; {}; {}",
         part.size(), x[0], x[1], x[2], threshold_,
-        any_good() ? fmt::format("there the threshold is {:.3g}", threshold)
+        any_good() ? fmt::format("there the threshold is {:.3g}, and its modes may come out too stiff", threshold)
                    : fmt::format("its spans are filled with fictitious material ({} of stiffness and "
                                  "mass), which makes it too heavy and too stiff",
-                                 fictitious_share)));
+                                 fictitious_share),
+        span_advice(model_, {part.begin(), part.end()})));
   }
 
   // Active spans in the support of a function.

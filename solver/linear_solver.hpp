@@ -6,9 +6,18 @@
 
 #include <Eigen/SparseCore>
 
+#include <functional>
+
 namespace iga::solve {
 
 using ConstraintMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>; ///< (constraints × unknowns)
+
+/// What a factorisation costs, known from the symbolic analysis before any number is touched.
+struct FactorCost {
+  std::int64_t nonzeros = 0; ///< of the factor
+  double flops = 0;
+  double bytes = 0; ///< peak memory of factor and work space
+};
 
 /// A = stiffness - shift · mass, bordered by constraints: [A Cᵀ; C 0]. Pointers may be null but for the stiffness; the
 /// mass is either consistent or lumped (num_nodes).
@@ -17,14 +26,9 @@ struct SystemMatrix {
   const MassMatrix* mass = nullptr;
   const Eigen::VectorXd* lumped_mass = nullptr;
   double shift = 0;
+  double added = 0; ///< to the unit diagonal of the scaled matrix (LinearSolver::added_to_diagonal)
   const ConstraintMatrix* constraints = nullptr;
-};
-
-/// What a factorisation costs, known from the symbolic analysis before any number is touched.
-struct FactorCost {
-  std::int64_t nonzeros = 0; ///< of the factor
-  double flops = 0;
-  double bytes = 0; ///< peak memory of factor and work space
+  std::function<void(const FactorCost&)> announce = {}; ///< called with the cost before the factorisation; may be empty
 };
 
 class LinearSolver {
@@ -34,6 +38,9 @@ class LinearSolver {
   virtual void solve(const double* b, double* x, int columns) const = 0;
   virtual std::int64_t size() const = 0;
   virtual FactorCost cost() const = 0;
+  /// What was added to the unit diagonal of the scaled system to factorise it: 0 unless rounding left it indefinite.
+  /// A factor with something added is that of a neighbouring system; refine what it solves.
+  virtual double added_to_diagonal() const { return 0; }
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const {
     Eigen::VectorXd x(b.size());
     solve(b.data(), x.data(), 1);

@@ -11,9 +11,26 @@ namespace iga::solve {
 
 namespace {
 
+// Squares and ratios of numbers within 10^±most_digits, and their products with lengths, stay finite and above zero.
+constexpr double most_digits = 100;
+
+void need_range(const char* what, double value) {
+  const double digits = std::log10(value);
+  if (!(std::abs(digits) <= most_digits))
+    throw InputError(fmt::format("material: {} = {:g} is beyond what can be computed with (1e-{:g} … 1e{:g}): its "
+                                 "square is no finite number above zero; check the number, or choose other units",
+                                 what, value, most_digits, most_digits));
+}
+
 void need_density(double density) {
   if (!(density > 0) || !std::isfinite(density))
     throw InputError(fmt::format("material: density rho = {} is not positive; give rho in mass per length³", density));
+  need_range("density rho", density);
+}
+
+// The wave speed √(E / ρ) sets frequencies and time steps.
+void need_wave_speed(double modulus, double density) {
+  need_range("modulus / density", modulus / density);
 }
 
 // Eigenvalues of the acoustic tensor A_ac = n_b C_abcd n_d over directions n: extremes over corners, edges and faces of
@@ -55,7 +72,9 @@ ElasticMaterial isotropic(double E, double nu, double density) {
                                  nu == 0.5 ? "an incompressible material is outside what displacements alone can "
                                              "describe: take 0.49 and degree 3 for a rubber"
                                            : "steel has about 0.3, rubber up to 0.49"));
+  need_range("Young's modulus E", E);
   need_density(density);
+  need_wave_speed(E, density);
   const double lambda = E * nu / ((1 + nu) * (1 - 2 * nu)), mu = E / (2 * (1 + nu));
   ElasticMaterial m;
   m.C.topLeftCorner<3, 3>().setConstant(lambda);
@@ -78,6 +97,8 @@ ElasticMaterial anisotropic(const VoigtMatrix& C, double density) {
                     "must store energy",
                     eigen.eigenvalues()[0]));
   need_density(density);
+  need_range("the largest entry of C", eigen.eigenvalues()[5]);
+  need_wave_speed(eigen.eigenvalues()[5], density);
   ElasticMaterial m;
   m.C = (C + C.transpose()) / 2;
   m.density = density;

@@ -2,6 +2,7 @@
 
 #include "format/model/errors.hpp"
 #include "solver/assemble.hpp"
+#include "solver/stage_progress.hpp"
 #include "solver/stopwatch.hpp"
 
 #include <algorithm>
@@ -20,6 +21,7 @@ void refuse_multipliers(const RunSettings& run) {
 PreparedSystem prepare_system(const RunSettings& run, const TrimmedModel& model) {
   PreparedSystem system;
   Stopwatch watch(system.timings);
+  show_stage(run.progress, "assembly");
   system.space = std::make_unique<SolutionSpace>(model, run.light);
   const auto connectivity = std::make_shared<const Connectivity>(*system.space);
   watch.stage("space");
@@ -33,6 +35,7 @@ PreparedSystem prepare_system(const RunSettings& run, const TrimmedModel& model)
                                           "extrapolation would have left others without mass",
                                           system.M.moved_functions()));
   if (!run.supports.empty()) {
+    show_stage(run.progress, "supports");
     system.supports = apply_supports(*system.space, run.material, run.supports, system.K);
     watch.stage("supports");
   }

@@ -70,14 +70,24 @@ struct ReadRegion {
   bool given = false;
 };
 
+// A name, a number, or a list of one kind: any of them will do.
+void read_regions(io::SettingsTable& table, RegionChoice& choice) {
+  if (table.holds_text("region"))
+    choice.names = {*table.text("region")};
+  else if (table.holds_number("region"))
+    choice.numbers = {*table.integer("region")};
+  else if (table.holds_numbers("region"))
+    choice.numbers = *table.integers("region");
+  else if (const auto names = table.texts("region"))
+    choice.names = *names;
+  if (table.holds("region") && choice.names.empty() && choice.numbers.empty())
+    refuse(table, "region", "the list is empty; give names or numbers of regions, or leave it out");
+}
+
 ReadRegion read_region(io::SettingsTable& table) {
   ReadRegion region;
   RegionChoice& choice = region.choice;
-  if (table.holds_text("region")) {
-    choice.name = table.text("region");
-  } else {
-    choice.number = table.integer("region");
-  }
+  read_regions(table, choice);
   if (const auto box = table.numbers("box", {6})) {
     choice.box = Box3{{(*box)[0], (*box)[1], (*box)[2]}, {(*box)[3], (*box)[4], (*box)[5]}};
     for (std::size_t d = 0; d < 3; ++d)
@@ -106,14 +116,14 @@ ReadRegion read_region(io::SettingsTable& table) {
     choice.normal = RegionChoice::Direction{*direction, angle.value_or(default_angle)};
   }
   const bool whole = table.boolean("whole_surface").value_or(false);
-  const bool some = choice.name || choice.number || choice.box || choice.plane || choice.normal;
+  const bool some = !choice.names.empty() || !choice.numbers.empty() || choice.box || choice.plane || choice.normal;
   if (whole && some) refuse(table, "whole_surface", "given together with a choice of surface; give one of them");
   region.given = whole || some;
   return region;
 }
 
 constexpr const char* how_to_choose =
-    "choose surface by region (name or number), box, plane, normal, or whole_surface = true";
+    "choose surface by region (names or numbers), box, plane, normal, or whole_surface = true";
 
 void read_fixed(io::SettingsTable& table, Support& support) {
   const auto fixed = table.text("fixed");

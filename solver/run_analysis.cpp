@@ -1,11 +1,13 @@
 // Runs an analysis from settings to report.
 #include "format/io/output_claim.hpp"
+#include "format/io/progress.hpp"
 #include "format/io/results_io.hpp"
 #include "format/io/trimmed_model_io.hpp"
 #include "format/io/vtp_writer.hpp"
 #include "format/model/errors.hpp"
 #include "solver/analysis_report.hpp"
 #include "solver/blas_threads.hpp"
+#include "solver/interruptible.hpp"
 #include "solver/model_notes.hpp"
 #include "solver/stopwatch.hpp"
 
@@ -55,14 +57,18 @@ int run_analysis(const AnalysisCommand& command) {
   check_units(run.settings, run.model);
   warn(run, prefixed(run.settings.model.filename().string(),
                      model_warnings(run.model, command.typed.rho ? &run.settings.material : nullptr)));
-  switch (command.analysis) {
-  case Analysis::Eigen:
-    return eigen_command(run);
-  case Analysis::Timestep:
-    return timestep_command(run);
-  default:
-    return static_command(run);
-  }
+  io::Progress progress(io::progress_style(command.style == ReportStyle::Quiet));
+  run.settings.progress = &progress;
+  return run_interruptibly([&] {
+    switch (command.analysis) {
+    case Analysis::Eigen:
+      return eigen_command(run);
+    case Analysis::Timestep:
+      return timestep_command(run);
+    default:
+      return static_command(run);
+    }
+  });
 }
 
 } // namespace iga::solve

@@ -10,6 +10,10 @@
 #include <filesystem>
 #include <optional>
 
+namespace iga::io {
+class Progress;
+}
+
 namespace iga::solve {
 
 enum class MassType { Consistent, Lumped, TwoPass, ThreePass };
@@ -39,8 +43,9 @@ struct RunSettings {
   std::vector<Support> supports;
   EigenSettings eigen;
   StaticSettings statics;
-  int subdivide = 2;  ///< surface output: longest edge at most span / subdivide
-  bool viewer = true; ///< files for ParaView beside the results file
+  int subdivide = 2;                ///< surface output: longest edge at most span / subdivide
+  bool viewer = true;               ///< files for ParaView beside the results file
+  io::Progress* progress = nullptr; ///< where stages show themselves; null: nowhere
 };
 
 /// Treatment of light functions where the user asks for none: measured in README.md.

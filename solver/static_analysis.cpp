@@ -3,6 +3,7 @@
 #include "format/model/errors.hpp"
 #include "format/model/vec3.hpp"
 #include "solver/assemble.hpp"
+#include "solver/stage_progress.hpp"
 #include "solver/stopwatch.hpp"
 #include "solver/support_check.hpp"
 
@@ -26,8 +27,10 @@ void need_no_free_motion(const SolutionSpace& space, const NodePattern& pattern,
                                fmt::join(free, "\n  ")));
 }
 
-std::unique_ptr<LinearSolver> factorise(const StiffnessMatrix& K, const SupportTerms& supports) {
+std::unique_ptr<LinearSolver> factorise(const StiffnessMatrix& K, const SupportTerms& supports,
+                                        io::Progress* progress) {
   SystemMatrix system;
+  system.announce = show_factorisation(progress);
   system.stiffness = &K;
   if (supports.constraints.rows() == 0) return factorise_positive_definite(system);
   system.constraints = &supports.constraints;
@@ -113,7 +116,9 @@ void describe_forces(const StaticSettings& settings, const SupportTerms& support
                                         moment_about(region.centroid, reaction.moment, reaction.force)});
     solution.force_balance = plus(solution.force_balance, reaction.force);
     solution.moment_balance = plus(solution.moment_balance, reaction.moment);
-    solution.support_work += reaction.work;
+    solution.result.support_work += reaction.work;
+    solution.result.gap_work += reaction.gap_work;
+    solution.result.penalty_energy += reaction.penalty_energy;
   }
   Point3 centroid{};
   double volume = 0;
@@ -141,6 +146,12 @@ std::vector<double> as_vector(const Eigen::VectorXd& v) {
 
 } // namespace
 
+double energy_defect(const StaticResult& r) {
+  const double stored = r.strain_energy + r.penalty_energy, done = r.external_work + r.support_work + r.gap_work;
+  const double larger = std::max(std::abs(stored), std::abs(done));
+  return larger > 0 ? std::abs(stored - done) / larger : 0;
+}
+
 StaticSolution run_static(const RunSettings& run, const StaticSettings& settings, const SolutionSpace& space) {
   const TrimmedModel& model = space.model();
   StaticSolution solution;
@@ -150,9 +161,11 @@ StaticSolution run_static(const RunSettings& run, const StaticSettings& settings
   LoadTerms loads = assemble_loads(space, run.material.density, settings.loads);
   solution.loads = loads.reports;
   watch.stage("loads");
+  show_stage(run.progress, "assembly");
   const auto connectivity = std::make_shared<const Connectivity>(space);
   StiffnessMatrix K = assemble_stiffness(space, connectivity, run.material);
   watch.stage("stiffness");
+  show_stage(run.progress, "supports");
   const SupportTerms supports = apply_supports(space, run.material, run.supports, K);
   need_no_free_motion(space, K.pattern(), supports.prepared);
   solution.regions = supports.regions;
@@ -161,9 +174,11 @@ StaticSolution run_static(const RunSettings& run, const StaticSettings& settings
 
   Eigen::VectorXd b(K.size() + supports.constraints.rows());
   b << loads.load + supports.load, supports.values;
-  const auto solver = factorise(K, supports);
+  show_stage(run.progress, "analysis of the matrix");
+  const auto solver = factorise(K, supports, run.progress);
   solution.cost = solver->cost();
   watch.stage("factorisation");
+  show_stage(run.progress, "solution");
   Eigen::VectorXd x = solver->solve(b);
   x += solver->solve(residual(K, supports.constraints, b, x));
   const double size = b.norm();
@@ -171,12 +186,13 @@ StaticSolution run_static(const RunSettings& run, const StaticSettings& settings
   if (!(solution.residual < largest_residual))
     throw NumericalError(fmt::format("the static system could not be solved: relative residual {:.2g} after "
                                      "refinement, expected below {:.0e}; the part is hardly held, or functions hold "
-                                     "almost no material: treat them (light_functions = \"degree-p\")",
+                                     "almost no material",
                                      solution.residual, largest_residual));
   solution.unknowns = x.head(K.size());
   solution.multipliers = x.tail(supports.constraints.rows());
   watch.stage("solution");
 
+  show_stage(run.progress, "fields");
   StaticResult& result = solution.result;
   result.displacement = as_vector(space.expand(solution.unknowns));
   result.positions = positions_of(model.grid, model.points.parameters);

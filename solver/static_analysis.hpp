@@ -17,7 +17,6 @@ struct StaticSolution {
   std::vector<LoadReport> loads;            ///< resultants about the origin
   std::vector<Reaction> reactions;          ///< about the origin
   FieldSamples surface;                     ///< one step, at model.surface.quadrature
-  double support_work = 0;                  ///< work of the reactions on prescribed displacements, force · length
   double largest_displacement = 0;          ///< length, over quadrature points of volume and surface
   Point3 largest_displacement_at{};         ///< length
   double largest_von_mises = 0;             ///< force/length², over the same points
@@ -28,6 +27,9 @@ struct StaticSolution {
   std::int64_t num_constraints = 0;
   std::vector<std::pair<std::string, double>> timings; ///< stage, seconds
 };
+
+/// What is missing between the two sides of the energy balance (StaticResult), relative to the larger one.
+double energy_defect(const StaticResult& result);
 
 /// @throws InputError for regions without area, points outside the part, and rigid motions that no support resists
 /// @throws NumericalError where the system is singular all the same

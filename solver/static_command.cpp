@@ -1,5 +1,6 @@
 // igasolve static: displacements, stresses and reactions, as report and results file.
 #include "format/model/errors.hpp"
+#include "solver/advice.hpp"
 #include "solver/analysis_report.hpp"
 #include "solver/static_report.hpp"
 #include "solver/surface_output.hpp"
@@ -39,7 +40,12 @@ int static_command(AnalysisRun& run) {
   const SolutionSpace space(run.model, run.settings.light);
   warn(run, space.warnings());
   warn_of_joined_bodies(run, space);
-  StaticSolution solution = run_static(run.settings, run.settings.statics, space);
+  StaticSolution solution;
+  try {
+    solution = run_static(run.settings, run.settings.statics, space);
+  } catch (const NumericalError& error) {
+    throw NumericalError(fmt::format("{}; {}", error.what(), numerical_advice(run.settings, run.model)));
+  }
   run.timings.insert(run.timings.end(), solution.timings.begin(), solution.timings.end());
   const std::string report =
       run.command.style == ReportStyle::Json ? json_report(run, space, solution) : text_report(run, space, solution);

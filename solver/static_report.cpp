@@ -52,8 +52,12 @@ std::string static_text(const StaticSolution& s) {
     line(fmt::format("  resultant {}, moment about it {}", text(r.force, unit), text(r.moment)));
   }
   line(fmt::format("balance of forces {}, relative residual {:.2g}", text(s.force_balance, unit), s.residual));
-  line(fmt::format("strain energy {:.8g}, external work {:.8g}", s.result.strain_energy,
-                   s.result.external_work + s.support_work));
+  const StaticResult& r = s.result;
+  line(fmt::format("strain energy {:.8g} + penalty energy of the supports {:.8g}", r.strain_energy, r.penalty_energy));
+  line(fmt::format(
+      "  = work of the loads {:.8g} + of the reactions on prescribed displacements {:.8g} + of the stress on "
+      "what the supports give way {:.8g}; off by {:.2g}",
+      r.external_work, r.support_work, r.gap_work, energy_defect(r)));
   line(fmt::format("largest displacement {:.6g} at {}", s.largest_displacement, text(s.largest_displacement_at)));
   line(fmt::format("largest von Mises stress {:.6g} at {}", s.largest_von_mises, text(s.largest_von_mises_at)));
   const ProbeResult& p = s.result.probes;
@@ -92,7 +96,8 @@ JsonObject static_json(const StaticSolution& s) {
   report.add("supports", supports).add("loads", loads).add("probes", probes);
   report.add("force_balance", s.force_balance).add("moment_balance", s.moment_balance);
   report.add("strain_energy", s.result.strain_energy).add("external_work", s.result.external_work);
-  report.add("support_work", s.support_work);
+  report.add("support_work", s.result.support_work).add("gap_work", s.result.gap_work);
+  report.add("penalty_energy", s.result.penalty_energy).add("energy_defect", energy_defect(s.result));
   report.add("largest_displacement", s.largest_displacement).add("largest_displacement_at", s.largest_displacement_at);
   report.add("largest_von_mises", s.largest_von_mises).add("largest_von_mises_at", s.largest_von_mises_at);
   report.add("factor_bytes", s.cost.bytes).add("timings", timings);

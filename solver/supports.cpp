@@ -81,7 +81,8 @@ Point3 as_point(const Eigen::Vector3d& v) {
 Reaction multiplier_reaction(const SolutionSpace& space, const SupportTerms& terms, const PreparedSupport& prepared,
                              const Eigen::VectorXd& multipliers) {
   Eigen::VectorXd nodal = Eigen::VectorXd::Zero(space.num_unknowns());
-  Reaction reaction{prepared.support.name, {}, {}, 0};
+  Reaction reaction;
+  reaction.name = prepared.support.name;
   for (std::int64_t c = 0; c < prepared.num_constraints; ++c) {
     const Eigen::Index row = prepared.first_constraint + c;
     for (ConstraintMatrix::InnerIterator it(terms.constraints, row); it; ++it)
@@ -103,7 +104,8 @@ Reaction multiplier_reaction(const SolutionSpace& space, const SupportTerms& ter
 // Traction on the part: σ n - β (u - u_D) along the fixed directions.
 Reaction weak_reaction(const SolutionSpace& space, const ElasticMaterial& material, const PreparedSupport& prepared,
                        const Eigen::VectorXd& u) {
-  Reaction reaction{prepared.support.name, {}, {}, 0};
+  Reaction reaction;
+  reaction.name = prepared.support.name;
   const bool nitsche = prepared.support.method == SupportMethod::Nitsche;
   in_order(
       prepared.region.spans.size(),
@@ -116,9 +118,15 @@ Reaction weak_reaction(const SolutionSpace& space, const ElasticMaterial& materi
         Eigen::VectorXd local(3 * static_cast<Eigen::Index>(nodes.size()));
         for (std::size_t r = 0; r < nodes.size(); ++r)
           local.segment<3>(3 * static_cast<Eigen::Index>(r)) = u.segment<3>(3 * nodes[r]);
-        Eigen::VectorXd traction = -prepared.beta[s] * (rows.trace * local - rows.prescribed);
-        if (nitsche) traction += rows.traction * local;
+        const Eigen::VectorXd gap = rows.trace * local - rows.prescribed;
+        Eigen::VectorXd traction = -prepared.beta[s] * gap;
         Reaction part;
+        part.penalty_energy = 0.5 * prepared.beta[s] * rows.weight.dot(gap.cwiseAbs2());
+        if (nitsche) {
+          const Eigen::VectorXd stress = rows.traction * local;
+          part.gap_work = rows.weight.dot(stress.cwiseProduct(gap));
+          traction += stress;
+        }
         for (std::size_t k = 0; k < rows.point.size(); ++k) {
           const auto row = static_cast<Eigen::Index>(k);
           const Point3 f = times(rows.direction[k], traction[row] * rows.weight[row]);
@@ -132,6 +140,8 @@ Reaction weak_reaction(const SolutionSpace& space, const ElasticMaterial& materi
         reaction.force = plus(reaction.force, part.force);
         reaction.moment = plus(reaction.moment, part.moment);
         reaction.work += part.work;
+        reaction.gap_work += part.gap_work;
+        reaction.penalty_energy += part.penalty_energy;
       });
   return reaction;
 }

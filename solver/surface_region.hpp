@@ -8,16 +8,16 @@
 
 namespace iga::solve {
 
-/// Which surface points a condition holds on: all given tests must be met; with none given, the whole surface.
+/// Which part of the surface a condition holds on: all given tests must be met; with none given, the whole surface.
 struct RegionChoice {
-  std::optional<std::string> name;    ///< region name in the file
-  std::optional<std::int64_t> number; ///< region number in the file, from 0
-  std::optional<Box3> box;            ///< position within a box (part's frame)
+  std::vector<std::string> names;    ///< regions of the file by name …
+  std::vector<std::int64_t> numbers; ///< … and by number, from 0; any of both will do
+  std::optional<Box3> box;           ///< position within a box (part's frame)
   struct Plane {
     Point3 point{}, normal{};
-    double tolerance = 0; ///< length; never taken smaller than the depth by which surface points may be moved
+    double tolerance = 0; ///< length
   };
-  std::optional<Plane> plane; ///< position on a plane
+  std::optional<Plane> plane; ///< position between the two planes at the tolerance to both sides
   struct Direction {
     Point3 direction{};
     double angle = 0; ///< degrees between the outward normal and the direction
@@ -33,17 +33,16 @@ struct RegionReport {
   Point3 centroid{}; ///< length, the part's frame
 };
 
-/// The surface points of a choice, span by span. Pieces of surface are chosen point by point: where a box or an angle
-/// cuts through a triangle, the border of the region is as fine as the surface's quadrature points.
+/// Quadrature points of a choice, span by span. Triangles that lie in it as a whole bring the model's own points; those
+/// that a box or a plane cuts get new ones on what is left of them: area and centroid are exact. A corner that lies
+/// within the model's surface_depth of a plane counts as lying in it.
 struct SurfaceRegion {
   RegionReport report;
   std::vector<std::int64_t> spans;   ///< (m) active spans that own chosen points, ascending
   std::vector<std::int64_t> offsets; ///< (m + 1)
-  std::vector<std::int64_t> points;  ///< rows of model.surface.quadrature, ascending
-  std::span<const std::int64_t> points_of(std::size_t s) const {
-    const auto first = static_cast<std::size_t>(offsets[s]);
-    return {points.data() + first, static_cast<std::size_t>(offsets[s + 1]) - first};
-  }
+  std::vector<double> parameters;    ///< (points × 3), row-major, knot space, inside the closed span
+  std::vector<double> weights;       ///< (points); area, length²
+  std::vector<Point3> normals;       ///< (points); outward, unit
 };
 
 /// @param what  what the region is for, opens the message: "support 'base'"

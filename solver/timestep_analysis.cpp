@@ -1,8 +1,13 @@
 #include "solver/timestep_analysis.hpp"
 
+#include "format/model/errors.hpp"
+#include "solver/advice.hpp"
 #include "solver/largest_eigenvalue.hpp"
 #include "solver/prepared_system.hpp"
+#include "solver/stage_progress.hpp"
 #include "solver/stopwatch.hpp"
+
+#include <fmt/format.h>
 
 namespace iga::solve {
 
@@ -10,10 +15,7 @@ namespace {
 
 constexpr double lanczos_tolerance = 1e-3;
 
-} // namespace
-
-TimestepOutcome analyse_timestep(const RunSettings& run, const TrimmedModel& model) {
-  refuse_multipliers(run);
+TimestepOutcome find_timestep(const RunSettings& run, const TrimmedModel& model) {
   PreparedSystem system = prepare_system(run, model);
   TimestepOutcome outcome;
   outcome.timings = std::move(system.timings);
@@ -22,6 +24,7 @@ TimestepOutcome analyse_timestep(const RunSettings& run, const TrimmedModel& mod
   outcome.mass = system.M.total();
   outcome.unknowns = system.space->num_unknowns();
   Stopwatch watch(outcome.timings);
+  show_stage(run.progress, "iterations");
   const LargestEigenvalue largest = largest_eigenvalue(system.K, system.M, lanczos_tolerance);
   outcome.omega_max = largest.omega;
   outcome.products = largest.products;
@@ -35,6 +38,17 @@ TimestepOutcome analyse_timestep(const RunSettings& run, const TrimmedModel& mod
   watch.stage("element bound");
   outcome.space = std::move(system.space);
   return outcome;
+}
+
+} // namespace
+
+TimestepOutcome analyse_timestep(const RunSettings& run, const TrimmedModel& model) {
+  refuse_multipliers(run);
+  try {
+    return find_timestep(run, model);
+  } catch (const NumericalError& error) {
+    throw NumericalError(fmt::format("{}; {}", error.what(), numerical_advice(run, model)));
+  }
 }
 
 } // namespace iga::solve

@@ -140,6 +140,9 @@ StaticResult read_static(const H5Reader& file, std::int64_t num_functions) {
   StaticResult s;
   s.strain_energy = file.number<double>(result::statics, "strain_energy");
   s.external_work = file.number<double>(result::statics, "external_work");
+  for (const auto& [name, value] : {std::pair{"support_work", &s.support_work}, std::pair{"gap_work", &s.gap_work},
+                                    std::pair{"penalty_energy", &s.penalty_energy}})
+    if (file.has_attribute(result::statics, name)) *value = file.number<double>(result::statics, name); // since 1.2
   s.displacement = finite(file, result::displacement, {num_functions, 3});
   const std::int64_t num_points = rows_of(file, result::point_positions, 2);
   s.positions = finite(file, result::point_positions, {num_points, 3});

@@ -104,6 +104,9 @@ void write_static(H5Writer& file, const StaticResult& s) {
   file.group(result::statics, "static equilibrium");
   file.attribute(result::statics, "strain_energy", s.strain_energy);
   file.attribute(result::statics, "external_work", s.external_work);
+  file.attribute(result::statics, "support_work", s.support_work);
+  file.attribute(result::statics, "gap_work", s.gap_work);
+  file.attribute(result::statics, "penalty_energy", s.penalty_energy);
   write(file, result::displacement, s.displacement, 3);
   file.group(result::points, "fields at the model's quadrature points, in their order");
   write(file, result::point_positions, s.positions, 3);

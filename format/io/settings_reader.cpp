@@ -267,6 +267,22 @@ std::optional<std::vector<std::int64_t>> SettingsTable::integers(std::string_vie
   return values;
 }
 
+std::optional<std::vector<std::int64_t>> SettingsTable::integers(std::string_view key) {
+  const std::string full = join(path_, key);
+  file_->known.insert(full);
+  const toml::node* node = node_of(node_, key);
+  if (!node) return std::nullopt;
+  const char* expected = "a list of whole numbers";
+  if (!node->is_array()) refuse(file_->path, full, *node, expected);
+  std::vector<std::int64_t> values;
+  for (const toml::node& entry : *node->as_array()) {
+    const auto value = whole_number(entry);
+    if (!value) refuse(file_->path, full, entry, expected);
+    values.push_back(*value);
+  }
+  return values;
+}
+
 std::optional<std::vector<std::vector<double>>> SettingsTable::rows(std::string_view key, std::size_t columns) {
   const std::string full = join(path_, key);
   take_note(full);
@@ -291,6 +307,11 @@ bool SettingsTable::holds_text(std::string_view key) const {
 bool SettingsTable::holds_number(std::string_view key) const {
   const toml::node* node = node_of(node_, key);
   return node && node->is_number();
+}
+
+bool SettingsTable::holds_numbers(std::string_view key) const {
+  const toml::node* node = node_of(node_, key);
+  return node && node->is_array() && !node->as_array()->empty() && node->as_array()->front().is_number();
 }
 
 bool SettingsTable::holds(std::string_view key) const {

@@ -51,12 +51,16 @@ class SettingsTable {
   /// Lists of one of the given lengths; where 1 is among them, a bare number counts as a list of one.
   std::optional<std::vector<double>> numbers(std::string_view key, std::initializer_list<std::size_t> lengths);
   std::optional<std::vector<std::int64_t>> integers(std::string_view key, std::initializer_list<std::size_t> lengths);
+  /// A list of any length of whole numbers.
+  std::optional<std::vector<std::int64_t>> integers(std::string_view key);
   /// A list of any length of lists of `columns` numbers: [[x, y], [x, y], …].
   std::optional<std::vector<std::vector<double>>> rows(std::string_view key, std::size_t columns);
   /// True where the key holds a string: for keys that take either a word or numbers.
   bool holds_text(std::string_view key) const;
   /// The same for a number, and for anything at all.
   bool holds_number(std::string_view key) const;
+  /// True for a list that begins with a number.
+  bool holds_numbers(std::string_view key) const;
   bool holds(std::string_view key) const;
   /// The key counts as known although its value is not asked for.
   void expect(std::string_view key);

@@ -95,8 +95,12 @@ struct ProbeResult {
 };
 
 struct StaticResult {
-  double strain_energy = 0;         ///< ½ uᵀ K u, without the supports' terms; force · length
-  double external_work = 0;         ///< ½ fᵀ u of the loads; force · length
+  double strain_energy = 0; ///< ½ uᵀ K u, without the supports' terms; force · length
+  double external_work = 0; ///< ½ fᵀ u of the loads; force · length
+  /// The rest of the energy balance: strain_energy + penalty_energy = external_work + support_work + gap_work.
+  double support_work = 0;   ///< ½ ∫ t · u_D dA: of the reactions on prescribed displacements; force · length
+  double gap_work = 0;       ///< Nitsche: ∫ (σ n) · (u - u_D) dA over the supports; force · length
+  double penalty_energy = 0; ///< Nitsche and penalty: ½ ∫ β |u - u_D|² dA; force · length
   std::vector<double> displacement; ///< (n_f × 3): coefficients of all active functions, length
   std::vector<double> positions;    ///< (num_points × 3) of the model's quadrature points, length
   FieldSamples points;              ///< one step, at the model's quadrature points in their order

@@ -1,9 +1,9 @@
-#include "preprocessor/triangle_rule.hpp"
+#include "format/model/triangle_rule.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>
 
-namespace iga::prep {
+namespace iga {
 namespace {
 
 double factorial(int n) {
@@ -38,4 +38,4 @@ TEST_P(TriangleRule, HasPositiveWeightsAndPointsStrictlyInside) {
 INSTANTIATE_TEST_SUITE_P(AllDegrees, TriangleRule, testing::Range(0, max_triangle_rule_degree + 1));
 
 } // namespace
-} // namespace iga::prep
+} // namespace iga

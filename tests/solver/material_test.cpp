@@ -44,3 +44,13 @@ TEST(ElasticMaterial, VonMisesOfPlainStates) {
   EXPECT_NEAR(von_mises((Voigt() << 0, 0, 0, 0, 2, 0).finished()), 2 * std::sqrt(3.0), 1e-14);
   EXPECT_NEAR(von_mises((Voigt() << 3, 3, 3, 0, 0, 0).finished()), 0, 1e-14);
 }
+
+TEST(ElasticMaterial, NumbersWhoseSquaresLeaveDoublesAreRefused) {
+  for (const auto& [E, rho] :
+       {std::pair{1e308, 1.0}, {1e-308, 1.0}, {1.0, 1e-308}, {1.0, 1e308}, {1e-80, 1e80}, {1e80, 1e-80}}) {
+    EXPECT_THROW(isotropic(E, 0.3, rho), InputError) << E << " " << rho;
+    EXPECT_THROW(anisotropic(VoigtMatrix::Identity() * E, rho), InputError) << E << " " << rho;
+  }
+  for (const double unit : {1e-30, 1e30}) EXPECT_NO_THROW(isotropic(unit, 0.3, unit));
+  EXPECT_NO_THROW(isotropic(210e9, 0.3, 7800));
+}

@@ -88,7 +88,7 @@ position = [1, 2, 3]
   ASSERT_EQ(run.supports.size(), 2u);
   const Support& base = run.supports[0];
   EXPECT_EQ(base.name, "base");
-  EXPECT_EQ(base.region.name, "bottom");
+  EXPECT_EQ(base.region.names, std::vector<std::string>{"bottom"});
   EXPECT_EQ(base.region.box->upper, (Point3{1, 2, 3}));
   EXPECT_EQ(base.region.plane->tolerance, 0.5);
   EXPECT_EQ(base.region.normal->angle, 20);
@@ -101,7 +101,7 @@ position = [1, 2, 3]
   for (std::size_t r = 0; r < 3; ++r)
     for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(base.frame[r][c], quarter[r][c], 1e-15);
   EXPECT_TRUE(run.supports[1].along_normal);
-  EXPECT_EQ(run.supports[1].region.number, 3);
+  EXPECT_EQ(run.supports[1].region.numbers, std::vector<std::int64_t>{3});
   EXPECT_EQ(run.supports[1].value[0], 0.25);
   EXPECT_EQ(run.supports[1].name, "support 2");
   EXPECT_EQ(run.supports[1].method, SupportMethod::Nitsche);

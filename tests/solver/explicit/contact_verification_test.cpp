@@ -208,7 +208,7 @@ TEST(ExplicitLoads, FollowerPressureTurnsWithTheBodyAndLoadsFollowTheirCurves) {
   pressure.name = "air";
   pressure.kind = LoadKind::Pressure;
   pressure.pressure = 2;
-  pressure.region.name = "u+";
+  pressure.region.names = {"u+"};
   Load traction = pressure;
   traction.kind = LoadKind::Traction;
   traction.vector = {0, 0, 3};

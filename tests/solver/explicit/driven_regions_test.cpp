@@ -15,7 +15,7 @@ namespace {
 DrivenRegion grip() {
   DrivenRegion region;
   region.name = "grip";
-  region.region.name = "u-";
+  region.region.names = {"u-"};
   region.motion[0] = TimeCurve({0, 1, 2}, {0, 0.5, 0.5}, TimeCurve::Between::Smooth, "pull");
   region.motion[1] = TimeCurve(0.0);
   return region;

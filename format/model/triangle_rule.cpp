@@ -1,9 +1,9 @@
-#include "preprocessor/triangle_rule.hpp"
+#include "format/model/triangle_rule.hpp"
 
 #include <cassert>
 #include <vector>
 
-namespace iga::prep {
+namespace iga {
 
 namespace {
 
@@ -83,4 +83,4 @@ std::span<const TrianglePoint> triangle_rule(int degree) {
   return degree <= 9 ? rule_9 : rule_12;
 }
 
-} // namespace iga::prep
+} // namespace iga

@@ -4,7 +4,7 @@
 #include <array>
 #include <span>
 
-namespace iga::prep {
+namespace iga {
 
 /// One point of a rule: position l0 P0 + l1 P1 + l2 P2, weight relative to the triangle's area.
 struct TrianglePoint {
@@ -22,4 +22,4 @@ constexpr int max_triangle_rule_degree = 12;
 /// 15 digits were refined by Newton's method on the moment equations.
 std::span<const TrianglePoint> triangle_rule(int degree);
 
-} // namespace iga::prep
+} // namespace iga

@@ -1,0 +1,150 @@
+"""Supports and loads of a run file drawn on the part: every choice of surface in a colour of its own.
+
+The choices follow solver/surface_cut.cpp: whole triangles by region and normal, cut exactly by boxes and planes.
+"""
+import math
+import sys
+import tomllib
+
+import numpy as np
+
+import drawing
+import iga_model
+
+TABLES = ("support", "load")
+COLOURS = ((0.84, 0.15, 0.16), (0.12, 0.47, 0.71), (0.17, 0.63, 0.17), (1.0, 0.5, 0.05), (0.58, 0.4, 0.74), (0.55, 0.34, 0.29),
+           (0.89, 0.47, 0.76), (0.09, 0.75, 0.81))
+
+
+def clip(polygon, normal, offset, snap):
+    """The part of a convex polygon with normal · x <= offset; corners within `snap` count as in the plane."""
+    heights = polygon @ normal - offset
+    heights[np.abs(heights) <= snap] = 0
+    if (heights <= 0).all():
+        return polygon
+    out = []
+    for k in range(len(polygon)):
+        p, q, hp, hq = polygon[k], polygon[k - len(polygon) + 1], heights[k], heights[k - len(polygon) + 1]
+        if hp <= 0:
+            out.append(p)
+        if hp * hq < 0:
+            out.append(p + hp / (hp - hq) * (q - p))
+    return np.array(out).reshape(-1, 3)
+
+
+def half_spaces(table):
+    sides = []
+    if "plane" in table:
+        normal = np.array(table["plane"]["normal"], float)
+        normal /= np.linalg.norm(normal)
+        place, tolerance = normal @ np.array(table["plane"]["point"], float), table["plane"].get("tolerance", 0)
+        sides += [(normal, place + tolerance), (-normal, -place + tolerance)]
+    if "box" in table:
+        for d in range(3):
+            axis = np.eye(3)[d]
+            sides += [(axis, table["box"][3 + d]), (-axis, -table["box"][d])]
+    return sides
+
+
+def chosen_polygons(table, vertices, triangles, region, names, snap):
+    """Polygons (k × 3) of a choice of surface."""
+    wanted = None
+    if "region" in table:
+        given = table["region"] if isinstance(table["region"], list) else [table["region"]]
+        wanted = {r for r, name in enumerate(names) if name in given or r in given}
+    sides = half_spaces(table)
+    polygons = []
+    for t, corners in enumerate(vertices[triangles]):
+        if wanted is not None and region[t] not in wanted:
+            continue
+        if "normal" in table:
+            n, direction = np.cross(corners[1] - corners[0], corners[2] - corners[0]), np.array(table["normal"]["direction"], float)
+            cosine = n @ direction / max(np.linalg.norm(n) * np.linalg.norm(direction), 1e-300)
+            if cosine < math.cos(math.radians(table["normal"].get("angle", 1))) - 1e-12:
+                continue
+        polygon = corners
+        for normal, offset in sides:
+            polygon = clip(polygon, normal, offset, snap)
+            if len(polygon) < 3:
+                break
+        if len(polygon) >= 3:
+            polygons.append(polygon)
+    return polygons
+
+
+def area_and_centroid(polygons):
+    total, moment = 0.0, np.zeros(3)
+    for polygon in polygons:
+        for k in range(1, len(polygon) - 1):
+            corners = polygon[[0, k, k + 1]]
+            area = np.linalg.norm(np.cross(corners[1] - corners[0], corners[2] - corners[0])) / 2
+            total += area
+            moment += area * corners.mean(axis=0)
+    return total, moment / total if total > 0 else moment
+
+
+def read_run(path):
+    """Model file and [(kind, table)] of a run file, those that choose surface."""
+    try:
+        with open(path, "rb") as file:
+            run = tomllib.load(file)
+    except (OSError, tomllib.TOMLDecodeError) as error:
+        sys.exit(f"render.py: {path}: cannot be read as a run file ({error})")
+    if "model" not in run:
+        sys.exit(f"render.py: {path}: names no model; --choices draws run files of igasolve static and eigen (model = \"…\")")
+    keys = ("region", "box", "plane", "normal", "whole_surface")
+    chosen = [(kind, table) for kind in TABLES for table in run.get(kind, []) if any(key in table for key in keys)]
+    if not chosen:
+        sys.exit(f"render.py: {path}: no [[support]] or [[load]] chooses surface; nothing to draw")
+    return path.parent / run["model"], chosen
+
+
+def snap_length(model):
+    """Corners closer to a plane than this lie in it: as surface_depth() of format/model/trimmed_model.hpp, but for rounding."""
+    h = (np.array(model.attribute("/patch", "B")) - model.attribute("/patch", "A")) / model.attribute("/patch", "spans")
+    return float(np.linalg.norm(h) * (model.attribute("/quadrature", "sliver_tolerance") + 1e-9))
+
+
+def patch(polygons, lift):
+    """Polydata of convex polygons, lifted off the surface so that they are seen on it."""
+    points, triangles = [], []
+    for polygon in polygons:
+        normal = np.cross(polygon[1] - polygon[0], polygon[2] - polygon[0])
+        first = sum(len(p) for p in points)
+        points.append(polygon + lift * normal / max(np.linalg.norm(normal), 1e-300))
+        triangles += [(first, first + k, first + k + 1) for k in range(1, len(polygon) - 1)]
+    return drawing.triangle_mesh(np.concatenate(points), np.array(triangles))
+
+
+def draw(arguments):
+    """<run file>_choices.png, seen along --sight and from behind; areas and centroids on stdout."""
+    run = arguments.choices
+    path, chosen = read_run(run)
+    try:
+        model = iga_model.read(path)
+        vertices, triangles = model["/surface/vertices"], model["/surface/triangles"]
+        region, names = model["/surface/region"], [drawing.text(name) for name in model["/surface/region_names"]]
+        snap = snap_length(model)
+    except (OSError, KeyError) as error:
+        sys.exit(f"render.py: {path}: not a readable interchange file ({error}); try igasolve check")
+    size = np.ptp(vertices, axis=0).max()
+    actors = [drawing.actor_of(drawing.with_normals(drawing.triangle_mesh(vertices, triangles)), colour=(0.80, 0.82, 0.85))]
+    legend = []
+    for k, (kind, table) in enumerate(chosen):
+        polygons = chosen_polygons(table, vertices, triangles, region, names, snap)
+        area, centroid = area_and_centroid(polygons)
+        name = table.get("name", f"{kind} {k + 1}")
+        print(f"{kind} '{name}': area {area:.8g}, centroid ({', '.join(f'{c:.6g}' for c in centroid)})")
+        if area == 0:
+            continue
+        colour = COLOURS[k % len(COLOURS)]
+        actors.append(drawing.actor_of(patch(polygons, (1 + k) * 5e-4 * size), colour=colour, flat=True))
+        legend.append((colour, f"{kind} {name} (area {area:.4g})"))
+    width, height = drawing.PIXELS
+    sides = [drawing.picture(actors, sign * np.array(arguments.sight), (0, 0, 1), vertices, (width // 2, height))
+             for sign in (1, -1)]
+    folder = arguments.output or run.parent
+    folder.mkdir(parents=True, exist_ok=True)
+    title = drawing.text(model.attribute("/", "title")) or path.stem
+    drawing.page(np.concatenate(sides, axis=1), f"{title}: supports and loads", f"{run.name}; from both sides",
+                 folder / f"{run.stem}_choices.png", legend=legend)
