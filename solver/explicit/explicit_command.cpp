@@ -51,7 +51,7 @@ io::OutputClaim claim_outputs(const ExplicitCommand& command, const ExplicitRun&
     plan.folders.push_back(io::viewer_folder(output));
   }
   std::vector<std::filesystem::path> inputs{run.file};
-  inputs.insert(inputs.end(), run.inputs.begin(), run.inputs.end());
+  for (const RunInput& input : run.inputs) inputs.push_back(input.file);
   io::refuse_replaced_inputs(plan, inputs);
   check_targets(command, run, output);
   return {plan, inputs};
