@@ -64,6 +64,7 @@ SurfaceGap between(const Corners& a, const Corners& b) {
     for (std::size_t d = 0; d < 3; ++d) {
       const Point3 &a1 = a[(c + 1) % 3], &b1 = b[(d + 1) % 3];
       const ClosestOfSegments near = closest_of_segments(a[c], a1, b[d], b1);
+      if (!near.interior) continue; // of the lines, not of the edges
       take(plus(a[c], times(minus(a1, a[c]), near.s)), plus(b[d], times(minus(b1, b[d]), near.t)));
     }
   }

@@ -449,7 +449,8 @@ H5Reader::H5Reader(const std::filesystem::path& path) : name_(path.string()) {
     throw InputError(fmt::format("{}: is open for writing in another program, or was when that program was killed; "
                                  "close it there, or clear the mark with: h5clear -s {}",
                                  name_, name_));
-  if (reason.find("lock") != reason.npos) throw InputError(fmt::format("{}: {} ({})", name_, lock_advice, reason));
+  if (reason.find("lock the file") != reason.npos)
+    throw InputError(fmt::format("{}: {} ({})", name_, lock_advice, reason));
   refuse_damaged("/");
 }
 
