@@ -60,7 +60,6 @@ class Stages {
 
 // Refuses at once what would fail, or do harm, after the work is done.
 void check_paths(const Settings& s) {
-  io::refuse_foreign_ending(s.output);
   if (!fs::exists(s.input)) throw InputError(fmt::format("{}: no such file", s.input.string()));
   const fs::path folder = s.output.has_parent_path() ? s.output.parent_path() : fs::path(".");
   if (!fs::is_directory(folder)) throw InputError(fmt::format("{}: the output folder does not exist", folder.string()));
@@ -276,6 +275,7 @@ PrepReport run_pipeline(const Settings& s, const RunInfo& run, io::Progress& pro
   std::vector<fs::path> inputs{s.input};
   if (!run.settings_file.empty()) inputs.push_back(run.settings_file);
   io::refuse_replaced_inputs(plan, inputs);
+  io::refuse_foreign_ending(s.output);
   if (stands_already(s, run)) return report_standing(s, std::move(report));
   const io::OutputClaim claim(plan, inputs);
 
