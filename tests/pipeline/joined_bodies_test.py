@@ -38,7 +38,7 @@ class JoinedBodies(unittest.TestCase):
     def prepare(self, size, degree="2"):
         model = self.path / f"part_{size}.h5"
         subprocess.run([IGAPREP, self.path / "part.stl", "-o", model, "--span-size", str(size), "--degree", degree,
-                        "--length-unit", "mm", "--quiet"], check=True, capture_output=True)
+                        "--length-unit", "mm", "--quiet", "--force"], check=True, capture_output=True)
         return model
 
     def solve(self, *command):
