@@ -123,7 +123,7 @@ def draw(arguments):
     try:
         model = iga_model.read(path)
         vertices, triangles = model["/surface/vertices"], model["/surface/triangles"]
-        region, names = model["/surface/region"], [drawing.text(name) for name in model["/surface/region_names"]]
+        region, names = model["/surface/region"], [drawing.text(name) for name in model["/surface/regions"]]
         snap = snap_length(model)
     except (OSError, KeyError) as error:
         sys.exit(f"render.py: {path}: not a readable interchange file ({error}); try igasolve check")
