@@ -226,8 +226,11 @@ class Search {
   std::pair<MatrixXd, MatrixXd> locked_motions(bool beside_found, Product product) const {
     const Index k = free_.vectors.cols(), m = beside_found ? pairs_.X.cols() : 0;
     MatrixXd X(problem_.mass->size(), k + m), MX(problem_.mass->size(), k + m);
-    X << free_.vectors, pairs_.X.leftCols(m);
-    MX << free_.mass_vectors, pairs_.MX.leftCols(m);
+    // Assigned block by block: a comma list refuses a first block of no columns.
+    X.leftCols(free_.vectors.cols()) = free_.vectors;
+    X.rightCols(m) = pairs_.X.leftCols(m);
+    MX.leftCols(free_.vectors.cols()) = free_.mass_vectors;
+    MX.rightCols(m) = pairs_.MX.leftCols(m);
     if (product == Product::Mass) return {std::move(X), std::move(MX)};
     VectorXd length(k + m); // of an eigenvector in K - σ M
     length << VectorXd::Constant(k, std::sqrt(-shift_)),
@@ -344,9 +347,11 @@ class Search {
     set_.mechanisms = floppy;
     set_.elastic = elastic;
     set_.lambda.resize(r + count);
-    set_.lambda << free_.lambda, pairs_.lambda.head(count);
+    set_.lambda.head(free_.lambda.size()) = free_.lambda;
+    set_.lambda.tail(count) = pairs_.lambda.head(count);
     set_.vectors.resize(problem_.mass->size(), r + count);
-    set_.vectors << free_.vectors, pairs_.X.leftCols(count);
+    set_.vectors.leftCols(free_.vectors.cols()) = free_.vectors;
+    set_.vectors.rightCols(count) = pairs_.X.leftCols(count);
     set_.kind.assign(static_cast<std::size_t>(r), ModeKind::Rigid);
     set_.kind.resize(static_cast<std::size_t>(r + floppy), ModeKind::Mechanism);
     set_.kind.resize(static_cast<std::size_t>(r + count), ModeKind::Elastic);
