@@ -1,6 +1,7 @@
 #include "solver/eigen_solver.hpp"
 
 #include "format/model/errors.hpp"
+#include "solver/dense_algebra.hpp"
 #include "solver/dense_eigen.hpp"
 #include "solver/free_memory.hpp"
 #include "solver/lanczos.hpp"
@@ -9,7 +10,6 @@
 #include "solver/stage_progress.hpp"
 #include "solver/stopwatch.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 #include <limits>
 
@@ -58,10 +58,8 @@ struct Pairs {
     KX = columns_of(*problem.stiffness, X);
     MX = columns_of(*problem.mass, X);
     const MatrixXd K = X.transpose() * KX, M = X.transpose() * MX;
-    const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> eigen(0.5 * (K + K.transpose()),
-                                                                   0.5 * (M + M.transpose()));
-    lambda = eigen.eigenvalues();
-    const MatrixXd& S = eigen.eigenvectors();
+    const auto [values, S] = symmetric_eigen(0.5 * (K + K.transpose()), 0.5 * (M + M.transpose()));
+    lambda = values;
     X = (X * S).eval();
     KX = (KX * S).eval();
     MX = (MX * S).eval();

@@ -1,8 +1,8 @@
 #include "solver/element_bound.hpp"
 
 #include "solver/assemble.hpp"
+#include "solver/dense_algebra.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
@@ -84,8 +84,7 @@ std::optional<ElementBound> element_bound(const SolutionSpace& space, const Elas
       }
       // Spans that cannot hold the maximum are passed over; the one that does never is, whatever the order.
       if (quick_bound(work.block, work.square) < largest.load()) continue;
-      const double own =
-          Eigen::SelfAdjointEigenSolver<MatrixXd>(work.block, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
+      const double own = symmetric_eigenvalues(work.block).maxCoeff();
       // Rounding of the dense solver.
       const double safe = own * (1 + 1e-12);
       lambda[static_cast<std::size_t>(a)] = safe;

@@ -1,8 +1,7 @@
 #include "solver/lanczos.hpp"
 
 #include "format/io/interrupt.hpp"
-
-#include <Eigen/Eigenvalues>
+#include "solver/dense_algebra.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -70,9 +69,9 @@ class Basis {
 
   /// Ritz pairs of all vectors the operator was applied to, best first.
   void ritz() {
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(H_.topLeftCorner(end_, end_));
-    theta_ = eigen.eigenvalues().reverse();
-    S_ = eigen.eigenvectors().rowwise().reverse();
+    const SymmetricEigen eigen = symmetric_eigen(H_.topLeftCorner(end_, end_));
+    theta_ = eigen.values.reverse();
+    S_ = eigen.vectors.rowwise().reverse();
     estimate_ = (R_ * S_.bottomRows(end_ - first_)).colwise().norm();
   }
   const Eigen::VectorXd& theta() const { return theta_; }

@@ -1,9 +1,9 @@
 #include "solver/material.hpp"
 
 #include "format/model/errors.hpp"
+#include "solver/dense_algebra.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -48,8 +48,7 @@ template <class Pick> double wave_speed(const ElasticMaterial& m, double start, 
           for (int c = 0; c < 3; ++c)
             for (int b = 0; b < 3; ++b)
               for (int d = 0; d < 3; ++d) A(a, c) += n[b] * m.C(voigt_place[a][b], voigt_place[c][d]) * n[d];
-        const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(A, Eigen::EigenvaluesOnly);
-        extreme = pick(extreme, solver.eigenvalues());
+        extreme = pick(extreme, symmetric_eigenvalues_3(A));
       }
   return std::sqrt(extreme / m.density);
 }
@@ -90,12 +89,12 @@ ElasticMaterial anisotropic(const VoigtMatrix& C, double density) {
     throw InputError(fmt::format("material: C is not symmetric: two entries that should agree differ by {:.3g}; give "
                                  "the rows in the order xx yy zz xy yz zx",
                                  asymmetry));
-  const Eigen::SelfAdjointEigenSolver<VoigtMatrix> eigen(C, Eigen::EigenvaluesOnly);
-  if (!(eigen.eigenvalues()[0] > 1e-12 * eigen.eigenvalues()[5]))
+  const Eigen::VectorXd eigenvalues = symmetric_eigenvalues(C);
+  if (!(eigenvalues[0] > 1e-12 * eigenvalues[5]))
     throw InputError(
         fmt::format("material: C is not positive definite: its smallest eigenvalue is {:.6g}; every strain "
                     "must store energy",
-                    eigen.eigenvalues()[0]));
+                    eigenvalues[0]));
   need_density(density);
   need_range("the largest entry of C", eigen.eigenvalues()[5]);
   need_wave_speed(eigen.eigenvalues()[5], density);

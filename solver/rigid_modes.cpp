@@ -1,7 +1,6 @@
 #include "solver/rigid_modes.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
+#include "solver/dense_algebra.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -60,11 +59,11 @@ MatrixXd orthonormal(const MatrixXd& V, const MatrixXd& MV) {
   MatrixXd G = V.transpose() * MV;
   const VectorXd scale = G.diagonal().unaryExpr([](double g) { return g > 0 ? 1 / std::sqrt(g) : 0.0; });
   G = scale.asDiagonal() * G * scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(0.5 * (G + G.transpose()));
+  const SymmetricEigen eigen = symmetric_eigen(0.5 * (G + G.transpose()));
   // A body that is a line has rotations without inertia, to rounding.
-  const Index kept = (eigen.eigenvalues().array() > 1e-12).count();
-  const VectorXd root = eigen.eigenvalues().tail(kept).cwiseSqrt().cwiseInverse();
-  return V * (scale.asDiagonal() * eigen.eigenvectors().rightCols(kept) * root.asDiagonal());
+  const Index kept = (eigen.values.array() > 1e-12).count();
+  const VectorXd root = eigen.values.tail(kept).cwiseSqrt().cwiseInverse();
+  return V * (scale.asDiagonal() * eigen.vectors.rightCols(kept) * root.asDiagonal());
 }
 
 // Combinations of the columns of V that leave all constrained values alone.
@@ -75,11 +74,10 @@ MatrixXd unconstrained(const MatrixXd& V, const ConstraintMatrix* C) {
   const VectorXd inverse = reach.unaryExpr([](double v) { return v > 0 ? 1 / v : 0.0; });
   const MatrixXd W = inverse.asDiagonal() * (*C * V) / V.cwiseAbs().maxCoeff();
   // C V may have thousands of rows and few columns: its triangular factor has the same singular values.
-  const Eigen::JacobiSVD<MatrixXd, Eigen::HouseholderQRPreconditioner> svd(
-      W.rows() >= W.cols() ? W : MatrixXd(W.transpose() * W), Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const RightSingular svd = right_singular(W.rows() >= W.cols() ? W : MatrixXd(W.transpose() * W));
   const double limit = W.rows() >= W.cols() ? free_constraint : free_constraint * free_constraint;
-  const Index fixed = (svd.singularValues().array() > limit).count();
-  return V * svd.matrixV().rightCols(V.cols() - fixed);
+  const Index fixed = (svd.values.array() > limit).count();
+  return V * svd.vectors.rightCols(V.cols() - fixed);
 }
 
 } // namespace
@@ -133,9 +131,9 @@ FreeMotions free_motions(const StiffnessMatrix& K, const MassOperator& M, const 
   V = unconstrained(V, constraints);
   if (V.cols() > 0) {
     const MatrixXd stiffness = V.transpose() * columns_of(K, V);
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(0.5 * (stiffness + stiffness.transpose()));
-    const Index count = (eigen.eigenvalues().array() < free_energy * lambda_scale).count();
-    V = (V * eigen.eigenvectors().leftCols(count)).eval();
+    const SymmetricEigen eigen = symmetric_eigen(0.5 * (stiffness + stiffness.transpose()));
+    const Index count = (eigen.values.array() < free_energy * lambda_scale).count();
+    V = (V * eigen.vectors.leftCols(count)).eval();
   }
   free.vectors = orthonormal(V, columns_of(M, V));
   free.mass_vectors = columns_of(M, free.vectors);

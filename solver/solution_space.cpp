@@ -1,9 +1,9 @@
 #include "solver/solution_space.hpp"
 
 #include "format/model/errors.hpp"
+#include "solver/dense_algebra.hpp"
 #include "solver/light_functions.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -100,10 +100,10 @@ namespace {
 Eigen::MatrixX2d gauss_rule(int n) {
   Eigen::MatrixXd jacobi = Eigen::MatrixXd::Zero(n, n);
   for (int k = 1; k < n; ++k) jacobi(k, k - 1) = jacobi(k - 1, k) = k / std::sqrt(4.0 * k * k - 1);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(jacobi);
+  const SymmetricEigen eigen = symmetric_eigen(jacobi);
   Eigen::MatrixX2d rule(n, 2);
-  rule.col(0) = (solver.eigenvalues().array() + 1) / 2;
-  rule.col(1) = solver.eigenvectors().row(0).array().square();
+  rule.col(0) = (eigen.values.array() + 1) / 2;
+  rule.col(1) = eigen.vectors.row(0).array().square();
   return rule;
 }
 

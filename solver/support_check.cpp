@@ -1,10 +1,8 @@
 #include "solver/support_check.hpp"
 
+#include "solver/dense_algebra.hpp"
 #include "solver/rigid_modes.hpp"
 #include "solver/support_rows.hpp"
-
-#include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -86,10 +84,10 @@ void add_supports(const SolutionSpace& space, const Bodies& bodies, std::span<co
 // Orthonormal basis of the twists that no support resists.
 Eigen::MatrixXd free_twists(const Body& body) {
   if (!(body.support_area > 0)) return Eigen::MatrixXd::Identity(6, 6);
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(body.held / body.support_area);
+  const SymmetricEigen eigen = symmetric_eigen(body.held / body.support_area);
   Eigen::Index count = 0;
-  while (count < 6 && eigen.eigenvalues()[count] < free_below) ++count;
-  return eigen.eigenvectors().leftCols(count);
+  while (count < 6 && eigen.values[count] < free_below) ++count;
+  return eigen.vectors.leftCols(count);
 }
 
 // The same space with as many zeros as possible: reduced row echelon form of the transposed basis, rows of length one.
@@ -119,20 +117,19 @@ std::string text(Eigen::Vector3d v, double unit) {
 std::vector<std::string> describe(const Body& body, const Eigen::MatrixXd& twists) {
   std::vector<std::string> motions;
   // Combinations without rotation are translations; what is orthogonal to them rotates.
-  const Eigen::JacobiSVD<Eigen::MatrixXd> turning(twists.bottomRows(3), Eigen::ComputeFullV);
-  const Eigen::Index rotations = (turning.singularValues().array() > small).count();
+  const RightSingular turning = right_singular(twists.bottomRows(3));
+  const Eigen::Index rotations = (turning.values.array() > small).count();
   const Eigen::Index translations = twists.cols() - rotations;
   Eigen::MatrixXd along(3, 0);
   if (translations > 0) {
-    along = plain_basis((twists * turning.matrixV().rightCols(translations)).topRows(3));
+    along = plain_basis((twists * turning.vectors.rightCols(translations)).topRows(3));
     for (Eigen::Index k = 0; k < translations; ++k)
       motions.push_back(fmt::format("translation along {}", text(along.col(k), 1)));
   }
   if (rotations == 0) return motions;
-  const Eigen::MatrixXd space = twists * turning.matrixV().leftCols(rotations);
+  const Eigen::MatrixXd space = twists * turning.vectors.leftCols(rotations);
   const Eigen::MatrixXd axes = plain_basis(space.bottomRows(3));
-  const Eigen::MatrixXd factors =
-      Eigen::JacobiSVD<Eigen::MatrixXd>(space.bottomRows(3), Eigen::ComputeThinU | Eigen::ComputeThinV).solve(axes);
+  const Eigen::MatrixXd factors = least_squares(space.bottomRows(3), axes);
   for (Eigen::Index k = 0; k < rotations; ++k) {
     const Eigen::Vector3d axis = axes.col(k);
     const Eigen::Vector3d velocity = body.radius * (space * factors.col(k)).head(3); // at the centre, for ω = axis

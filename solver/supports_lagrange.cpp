@@ -2,9 +2,8 @@
 // principal axes: constant stresses are in the space on any surface, so that linear fields are exact, and boxes of at
 // least three spans keep the multipliers coarser than the traces of the displacements (inf-sup condition).
 #include "format/model/vec3.hpp"
+#include "solver/dense_algebra.hpp"
 #include "solver/support_rows.hpp"
-
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <numeric>
@@ -39,7 +38,7 @@ class CoarseFunctions {
     each([&](const Eigen::Vector3d& x, double w) { sum += w * x, area += w; });
     centre_ = sum / area;
     each([&](const Eigen::Vector3d& x, double w) { second += w * (x - centre_) * (x - centre_).transpose(); });
-    axes_ = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(second).eigenvectors();
+    axes_ = symmetric_eigen_3(second).vectors;
     Eigen::Vector3d upper = Eigen::Vector3d::Constant(-1e300);
     lower_ = -upper;
     each([&](const Eigen::Vector3d& x, double) {
@@ -105,10 +104,10 @@ struct Rows {
 
 // Orthogonal directions that the normals take, weighted by f: columns, at least one.
 Eigen::MatrixXd normal_directions(const Eigen::Matrix3d& spread) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(spread);
+  const SymmetricEigen3 eigen = symmetric_eigen_3(spread);
   Eigen::Index first = 0;
-  while (first < 2 && eigen.eigenvalues()[first] <= least_normal * spread.trace()) ++first;
-  return eigen.eigenvectors().rightCols(3 - first);
+  while (first < 2 && eigen.values[first] <= least_normal * spread.trace()) ++first;
+  return eigen.vectors.rightCols(3 - first);
 }
 
 Eigen::Vector3d as_vector(const Point3& n) {

@@ -4,10 +4,10 @@
 // over all spans of all supports, ∫ |t|² / Λ_c is then at most the energy of the whole part, so that β_c = 2 Λ_c makes
 // K - B - Bᵀ + β M_Γ positive definite on any cut (Griebel & Schweitzer 2003; Embar, Dolbow, Harari 2010).
 #include "solver/assemble.hpp"
+#include "solver/dense_algebra.hpp"
 #include "solver/support_rows.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -203,8 +203,7 @@ void nitsche_parameters(const SolutionSpace& space, const ElasticMaterial& mater
   const auto degrees = grid.degree();
   const int p = *std::max_element(degrees.begin(), degrees.end());
   const Point3 h = grid.span_size();
-  const double unit = p * p * Eigen::SelfAdjointEigenSolver<VoigtMatrix>(material.C).eigenvalues().maxCoeff() /
-                      *std::min_element(h.begin(), h.end());
+  const double unit = p * p * symmetric_eigenvalues(material.C).maxCoeff() / *std::min_element(h.begin(), h.end());
   std::vector<Piece> pieces;
   for (PreparedSupport* const support : prepared) {
     support->beta.assign(support->region.spans.size(), 0);

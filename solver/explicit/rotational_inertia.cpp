@@ -2,8 +2,8 @@
 
 #include "format/model/errors.hpp"
 #include "format/model/vec3.hpp"
+#include "solver/dense_algebra.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
@@ -70,8 +70,7 @@ Eigen::Matrix3d inertia_of_mass(const MassOperator& mass,
 double inertia_error(const Eigen::Matrix3d& found, const Eigen::Matrix3d& exact, const Point3& axis) {
   const Eigen::Vector3d a(axis.data());
   if (!a.isZero(0)) return a.dot(found * a) / a.dot(exact * a) - 1;
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix3d> errors(found - exact, exact, Eigen::EigenvaluesOnly);
-  const Eigen::Vector3d e = errors.eigenvalues();
+  const Eigen::VectorXd e = symmetric_eigen(found - exact, exact).values;
   return std::abs(e[0]) > std::abs(e[2]) ? e[0] : e[2];
 }
 

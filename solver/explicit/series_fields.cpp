@@ -1,9 +1,9 @@
 #include "solver/explicit/series_fields.hpp"
 
+#include "solver/dense_algebra.hpp"
 #include "solver/explicit/law_access.hpp"
 #include "solver/surface_output.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -45,8 +45,7 @@ Eigen::SparseMatrix<double, Eigen::RowMajor> vertex_rows(const SolutionSpace& sp
 }
 
 double largest_log_strain(const Matrix3& F) {
-  const Eigen::Vector3d squares =
-      Eigen::SelfAdjointEigenSolver<Matrix3>(F.transpose() * F, Eigen::EigenvaluesOnly).eigenvalues();
+  const Eigen::Vector3d squares = symmetric_eigenvalues_3(F.transpose() * F);
   double largest = 0;
   for (int d = 0; d < 3; ++d) {
     const double strain = 0.5 * std::log(std::max(squares[d], 1e-12)); // inverted points may lie flat

@@ -1,8 +1,8 @@
 #include "solver/explicit/contact/rigid_body.hpp"
 
 #include "format/model/errors.hpp"
+#include "solver/dense_algebra.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -64,7 +64,7 @@ void check(const RigidBody& b) {
     require_positive(b.name, "mass", f->mass);
     if (!f->rotates) return;
     const Matrix3d I = matrix(f->inertia);
-    const Vector3d e = Eigen::SelfAdjointEigenSolver<Matrix3d>(0.5 * (I + I.transpose())).eigenvalues();
+    const Vector3d e = symmetric_eigenvalues_3(0.5 * (I + I.transpose()));
     if (!((I - I.transpose()).norm() <= 1e-9 * I.norm()) || !(e[0] > 0) || !(e[2] <= (e[0] + e[1]) * (1 + 1e-9)))
       throw InputError(fmt::format("rigid body '{}': principal inertias {:.6g}, {:.6g}, {:.6g} belong to no body; give "
                                    "a symmetric tensor, each at most the sum of the others",
@@ -96,7 +96,7 @@ double RigidState::mass() const {
 double RigidState::radius_of_gyration() const {
   const auto* free = std::get_if<FreeMotion>(&body_.motion);
   if (!free || !free->rotates) return inf;
-  return std::sqrt(Eigen::SelfAdjointEigenSolver<Matrix3d>(matrix(free->inertia)).eigenvalues()[0] / free->mass);
+  return std::sqrt(symmetric_eigenvalues_3(matrix(free->inertia))[0] / free->mass);
 }
 
 Point3 RigidState::to_space(const Point3& local) const {
