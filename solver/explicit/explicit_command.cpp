@@ -135,7 +135,10 @@ int run_explicit(const ExplicitCommand& command) {
   watch.stage("read");
   SeriesRecorder recorder(scene);
   RunOutputs outputs(scene, output, head_of(command, scene, inputs));
-  ExplicitLoop loop({scene, recorder, outputs, progress, inputs});
+  const auto warn = [quiet](const std::string& text) {
+    if (!quiet) io::write_message(fmt::format("igasolve: warning: {}\n", text));
+  };
+  ExplicitLoop loop({scene, recorder, outputs, progress, inputs, warn});
   outputs.header().provenance.findings = scene.findings();
   outputs.header().provenance.warnings = warnings;
   if (restart) {
@@ -160,8 +163,7 @@ int run_explicit(const ExplicitCommand& command) {
     loop.begin();
   }
   outputs.header().provenance.timings = timings;
-  if (!quiet)
-    for (const std::string& warning : warnings) io::write_message(fmt::format("igasolve: warning: {}\n", warning));
+  for (const std::string& warning : warnings) warn(warning);
   const int signal = loop.run();
   if (signal != 0) {
     const bool can_go_on = std::filesystem::exists(restart_path(output));
@@ -172,13 +174,14 @@ int run_explicit(const ExplicitCommand& command) {
     return 128 + signal;
   }
   watch.stage("stepping");
-  warnings.insert(warnings.end(), loop.warnings().begin(), loop.warnings().end());
+  const std::vector<std::string> of_run = loop.warnings();
+  warnings.insert(warnings.end(), of_run.begin(), of_run.end());
   outputs.header().provenance.warnings = warnings;
   outputs.header().provenance.timings = timings;
   outputs.publish(recorder.series());
   remove_restart(output);
   if (quiet) return io::exit_done;
-  for (const std::string& warning : loop.warnings()) io::write_message(fmt::format("igasolve: warning: {}\n", warning));
+  for (const std::string& warning : of_run) warn(warning);
   const ExplicitOutcome outcome{scene, recorder, outputs, loop, timings, warnings};
   if (command.style == ReportStyle::Json)
     io::write_report(fmt::format("{}\n", explicit_json(outcome)));

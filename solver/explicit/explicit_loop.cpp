@@ -61,6 +61,7 @@ int ExplicitLoop::run() {
       integrator.step();
       parts_.recorder.add_step(dt_last);
       follow_up();
+      watch_.look(parts_.scene);
       show(integrator.finished() || stop_);
       if (const int signal = io::pending_signal(); signal != 0) {
         parts_.outputs.publish(parts_.recorder.series());
@@ -91,6 +92,7 @@ void ExplicitLoop::follow_up() {
       warnings_.push_back(
           fmt::format("t = {:.6g}: the energy balance is off by {:.3g} of the largest energy, more than {:g}",
                       integrator.time(), integrator.energy_error(), run.energy_warning));
+      warn_now(warnings_.back());
     }
     parts_.outputs.publish_if_cheap(parts_.recorder.series());
   }
@@ -129,17 +131,30 @@ std::string ExplicitLoop::state_text() const {
 }
 
 double ExplicitLoop::momentum_error() const {
-  const Integrator& integrator = parts_.scene.integrator();
-  double error = 0, mass = 0;
-  for (const ExplicitBody* body : integrator.bodies()) mass += body->mass().total();
-  // What the parts of a body carry although it stays where it is, as in a spin: its sum is rounding alone.
-  double scale = std::sqrt(2 * mass * std::max(0.0, integrator.energy().kinetic));
-  for (std::size_t b = 0; b < parts_.scene.num_bodies(); ++b) {
-    const MomentumBalance& m = integrator.momentum(b);
-    error = std::max(error, m.linear_error().norm());
-    scale = std::max({scale, m.linear.norm(), m.linear_start.norm(), m.linear_impulse.norm()});
-  }
-  return scale > 0 ? error / scale : 0;
+  double error = 0;
+  for (std::size_t b = 0; b < parts_.scene.num_bodies(); ++b)
+    error = std::max(error, parts_.scene.integrator().momentum(b).relative_linear_error());
+  return error;
+}
+
+double ExplicitLoop::angular_momentum_error() const {
+  double error = 0;
+  for (std::size_t b = 0; b < parts_.scene.num_bodies(); ++b)
+    error = std::max(error, parts_.scene.integrator().momentum(b).relative_angular_error());
+  return error;
+}
+
+std::vector<std::string> ExplicitLoop::warnings() const {
+  std::vector<std::string> all = warnings_;
+  for (std::string& warning : watch_.warnings()) all.push_back(std::move(warning));
+  return all;
+}
+
+void ExplicitLoop::warn_now(const std::string& text) const {
+  if (!parts_.warn) return;
+  parts_.progress.finish();
+  parts_.warn(text);
+  parts_.progress.start("stepping");
 }
 
 } // namespace iga::solve

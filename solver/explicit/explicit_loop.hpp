@@ -5,6 +5,7 @@
 #include "format/io/progress.hpp"
 #include "solver/explicit/run_outputs.hpp"
 #include "solver/explicit/run_restart.hpp"
+#include "solver/explicit/run_watch.hpp"
 #include "solver/explicit/series_recorder.hpp"
 
 namespace iga::solve {
@@ -17,8 +18,12 @@ class ExplicitLoop {
     RunOutputs& outputs;
     io::Progress& progress;
     std::vector<InputFile> inputs; ///< for restart files
+    RunWatch::Warn warn;           ///< called at once, with each warning of the run
   };
-  explicit ExplicitLoop(Parts parts) : parts_(std::move(parts)) {}
+  explicit ExplicitLoop(Parts parts)
+      : parts_(std::move(parts)), watch_([this](const std::string& text) { warn_now(text); }) {}
+  ExplicitLoop(const ExplicitLoop&) = delete;
+  ExplicitLoop& operator=(const ExplicitLoop&) = delete;
 
   /// The state at the start: first row, first fields. @pre scene.start()
   void begin();
@@ -30,10 +35,11 @@ class ExplicitLoop {
   int run();
 
   const StopCondition* stopped_by() const { return stop_; }
-  const std::vector<std::string>& warnings() const { return warnings_; }
-  /// Largest error of the momentum balance of all bodies, relative to the largest momentum, impulse or
-  /// √(2 mass · kinetic energy), which a body that only turns has too.
+  /// All of the run, with how bad it became.
+  std::vector<std::string> warnings() const;
+  /// Largest relative error of all bodies: MomentumBalance.
   double momentum_error() const;
+  double angular_momentum_error() const;
 
  private:
   bool is_due(std::int64_t number, double interval) const;
@@ -41,11 +47,13 @@ class ExplicitLoop {
   void follow_up();
   void write_restart_file() const;
   std::string state_text() const;
+  void warn_now(const std::string& text) const;
 
   Parts parts_;
   std::int64_t next_row_ = 1, next_field_ = 1, next_restart_ = 1;
   const StopCondition* stop_ = nullptr;
   std::vector<std::string> warnings_;
+  RunWatch watch_;
 };
 
 } // namespace iga::solve

@@ -96,7 +96,8 @@ std::string explicit_text(const ExplicitOutcome& o) {
   for (std::size_t i = 0; i < energies.size(); ++i)
     text += fmt::format("{}{} {:.5g}", i ? ", " : "", TimeSeries::energy_names[i], energies[i]);
   report.line("energy", "{}; balance off by {:.2e}", text, integrator.energy_error());
-  report.line("momentum", "balance off by {:.2e}", o.loop.momentum_error());
+  report.line("momentum", "balance off by {:.2e} (linear), {:.2e} (angular)", o.loop.momentum_error(),
+              o.loop.angular_momentum_error());
   for (const auto& contact : o.recorder.series().contacts) {
     const Peak peak = peak_of(o.recorder.series(), contact);
     report.line("contact", "{}: largest force {:.6g} at t = {:.6g}", contact.name, peak.force, peak.time);
@@ -151,7 +152,7 @@ std::string explicit_json(const ExplicitOutcome& o) {
   report.add("bodies", bodies).add("steps", integrator.steps()).add("time", integrator.time());
   report.add("ended_by", how_it_ended(o)).add("dt", integrator.dt()).add("energy", energy);
   report.add("energy_error", integrator.energy_error()).add("momentum_error", o.loop.momentum_error());
-  report.add("time_step", step_json(o));
+  report.add("angular_momentum_error", o.loop.angular_momentum_error()).add("time_step", step_json(o));
   report.add("contacts", contacts).add("output", o.outputs.path().string()).add("outputs", o.recorder.num_rows());
   report.add("fields", o.outputs.num_fields()).add("timings", timings).add("peak_memory_mib", peak_memory_mib());
   report.add("warnings", o.warnings).add("findings", o.scene.findings());

@@ -32,6 +32,8 @@ class PenaltySource {
   virtual PenaltyEnergy add_forces(const StepTimes& times, std::span<const BodyState> bodies) = 0;
   /// The step it wants to work with, whatever stability allows.
   virtual double largest_step() const { return std::numeric_limits<double>::infinity(); }
+  /// Why that step, for a message; empty where it has asked for it since the start.
+  virtual std::string step_reason() const { return {}; }
   /// Moves what it owns (rigid bodies) from t_n to t_{n+1}; called when all sources have added their forces at t_n.
   virtual void advance(const StepTimes&) {}
   /// Of what it owns, at the t_n of the last advance.

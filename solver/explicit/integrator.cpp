@@ -55,6 +55,8 @@ void Integrator::start(std::vector<StartStep> limits) {
     const NodeSums sums = momentum_of(*bodies_[b]);
     momenta_[b].linear = momenta_[b].linear_start = sums.linear;
     momenta_[b].angular = momenta_[b].angular_start = sums.angular;
+    momenta_[b].linear_scale = sums.linear_scale;
+    momenta_[b].angular_scale = sums.angular_scale;
   }
   kick();
   now_.start_energy = energy_.total();
@@ -140,11 +142,21 @@ void Integrator::choose_step() {
   if (!(dt >= settings_.floor * first))
     throw NumericalError(fmt::format(
         "t = {:.6g}: the time step fell to {:.3g}, below {:g} of the first one ({:.3g}), for body '{}' {}; smallest "
-        "volume ratio there {:.3g}; the material is crushed beyond its law or the contact is too stiff",
+        "volume ratio there {:.3g}; the material is crushed beyond its law or the contact is too stiff: use a lower "
+        "speed, a stiffer material (a yield "
+        "curve up to full density), smaller spans, or a smaller dt_min to go on",
         now_.time, dt, settings_.floor, first, bodies_[limiting]->settings().name,
         place(limiting, reports_[limiting].step_span), reports_[limiting].min_J));
   if (settings_.largest_dt > 0) dt = std::min(dt, settings_.largest_dt);
-  for (const PenaltySource* source : penalties_) dt = std::min(dt, source->largest_step());
+  for (const PenaltySource* source : penalties_) {
+    if (source->largest_step() < settings_.floor * first && !source->step_reason().empty())
+      throw NumericalError(fmt::format("t = {:.6g}: {} and asks for a time step of {:.3g}, below {:g} of the first one "
+                                       "({:.3g}): the load is more than the bodies there can stop; use a lower speed, "
+                                       "stiffer or thicker material, smaller spans or a smaller dt_min",
+                                       now_.time, source->step_reason(), source->largest_step(), settings_.floor,
+                                       first));
+    dt = std::min(dt, source->largest_step());
+  }
   follow(dt);
   dt = now_.control.dt;
   // The last two steps share what is left, so that none is tiny.
@@ -214,6 +226,8 @@ void Integrator::kick_body(std::size_t b) {
   now_.kinetic += sums.kinetic;
   momenta_[b].linear = sums.linear;
   momenta_[b].angular = sums.angular;
+  momenta_[b].linear_scale = std::max(momenta_[b].linear_scale, sums.linear_scale);
+  momenta_[b].angular_scale = std::max(momenta_[b].angular_scale, sums.angular_scale);
   momenta_[b].linear_impulse += sums.linear_impulse;
   momenta_[b].angular_impulse += sums.angular_impulse;
 }
@@ -249,7 +263,9 @@ void Integrator::balance() {
 }
 
 double Integrator::energy_error() const {
-  return now_.largest_energy > 0 ? std::abs(energy_.total() - now_.start_energy) / now_.largest_energy : 0;
+  if (!(now_.largest_energy > 0)) return 0;
+  const double lost_or_made = std::abs(energy_.total() - now_.start_energy);
+  return std::max(lost_or_made, energy_.total_without_debt() - now_.start_energy) / now_.largest_energy;
 }
 
 std::string Integrator::place(std::size_t b, std::int32_t span) const {
@@ -313,6 +329,8 @@ IntegratorState Integrator::save() const {
     for_vectors(momentum, [&](const Eigen::Vector3d& v) {
       for (Eigen::Index d = 0; d < 3; ++d) saved.momenta[k++] = v[d];
     });
+    saved.momenta[k++] = momentum.linear_scale;
+    saved.momenta[k++] = momentum.angular_scale;
     state.bodies.push_back(std::move(saved));
   }
   for (const PenaltySource* source : penalties_)
@@ -342,6 +360,8 @@ void Integrator::load(const IntegratorState& state, std::vector<StartStep> limit
     for_vectors(momenta_[b], [&](Eigen::Vector3d& v) {
       for (Eigen::Index d = 0; d < 3; ++d) v[d] = saved.momenta[k++];
     });
+    momenta_[b].linear_scale = saved.momenta[k++];
+    momenta_[b].angular_scale = saved.momenta[k++];
     reports_[b] = saved.report;
     inverted_[b] = saved.inverted;
     eroded_[b] = saved.eroded;

@@ -55,7 +55,7 @@ struct IntegratorState {
     std::string name;
     std::vector<double> displacement, velocity, momentum;
     PointHistory points;
-    std::array<double, 18> momenta{}; ///< MomentumBalance
+    std::array<double, 20> momenta{}; ///< MomentumBalance
     ForceReport report;
     std::int64_t inverted = 0, eroded = 0;
   };
@@ -99,8 +99,12 @@ class Integrator {
   std::int64_t steps() const { return now_.steps; }
   const std::vector<StartStep>& limits() const { return limits_; }
   const EnergyBalance& energy() const { return energy_; }
-  /// |total - that of the start| / the largest of internal, kinetic and external energy so far.
+  /// |total - that of the start| / the largest of internal, kinetic and external energy so far; the total without
+  /// EnergyBalance's debt of contact where that is farther above.
   double energy_error() const;
+  double largest_energy() const { return now_.largest_energy; } ///< internal, kinetic or external, so far
+  /// Of an active span of a body, for messages; "at rest" for -1.
+  std::string place(std::size_t body, std::int32_t span) const;
   const MomentumBalance& momentum(std::size_t body) const { return momenta_[body]; }
   const ForceReport& report(std::size_t body) const { return reports_[body]; }
   const std::vector<ExplicitBody*>& bodies() const { return bodies_; }
@@ -122,7 +126,6 @@ class Integrator {
   void kick_body(std::size_t b);
   void balance();
   void load_sources(std::span<const SavedArray> saved);
-  std::string place(std::size_t b, std::int32_t span) const;
 
   struct External { // on one body; empty vectors where nothing acts
     Eigen::VectorXd load, penalty, penalty_sum;

@@ -23,7 +23,7 @@ struct ForceReport {
   /// stress included; c from the law's tangent in the metric of the reference.
   double step_factor = 1;
   std::int32_t step_span = -1;
-  double min_J = 1; ///< smallest det F
+  double min_J = 1; ///< smallest det F of the points that are left; 0 where all are eroded
   std::int32_t min_J_span = -1;
   double viscous_power = 0;        ///< of damping stresses, energy/time
   std::int64_t inverted = 0;       ///< points whose law was not evaluated at their own J

@@ -43,6 +43,9 @@ struct LawOutput {
   /// Stiffness-like share of a damping: ξ of dt ≤ dt_0 (√(1 + ξ²) - ξ) for ω_max = 2 c / length; 0 without damping.
   /// Where the untouched body has ω_max length / (2 c) = κ, the ratio is κ ξ.
   Lanes damping_ratio;
+  /// Volume or thickness that a crushed point (laws/compaction.hpp) lost in this step, as a share of what is left: the
+  /// next step shall be so short that it loses no more than a quarter. 0 where F of the last step is not known.
+  Lanes compression;
 };
 
 } // namespace iga::solve

@@ -35,6 +35,16 @@ void add(NodeSums& all, const NodeSums& part) {
   all.angular += part.angular;
   all.linear_impulse += part.linear_impulse;
   all.angular_impulse += part.angular_impulse;
+  all.linear_scale += part.linear_scale;
+  all.angular_scale += part.angular_scale;
+}
+
+void add_momentum(const Vector3d& x, const Vector3d& p, NodeSums& sums) {
+  const Vector3d about_origin = x.cross(p);
+  sums.linear += p;
+  sums.angular += about_origin;
+  sums.linear_scale += p.norm();
+  sums.angular_scale += about_origin.norm();
 }
 
 // One body's step, node by node.
@@ -76,8 +86,7 @@ class Update {
     const Vector3d p_now = is_first_ ? p_last : Vector3d(next_share_ * p_last + (1 - next_share_) * p);
     const Vector3d v_now = is_first_ ? v_last : Vector3d(next_share_ * v_last + (1 - next_share_) * v);
     sums.kinetic += 0.5 * p_now.dot(v_now) - difference_share_ * (p - p_last).dot(v - v_last);
-    sums.linear += p;
-    sums.angular += x.cross(p);
+    add_momentum(x, p, sums);
     const Vector3d impulse = h_ * (f_load + f_penalty + f_damping);
     sums.linear_impulse += impulse;
     sums.angular_impulse += x.cross(impulse);
@@ -157,8 +166,7 @@ NodeSums momentum_of(const ExplicitBody& body) {
   for (Index n = 0; n < body.node_points().rows(); ++n) {
     const Vector3d x = body.node_points().row(n).transpose() + body.displacement.segment<3>(3 * n);
     const Vector3d p = body.momentum.segment<3>(3 * n);
-    sums.linear += p;
-    sums.angular += x.cross(p);
+    add_momentum(x, p, sums);
   }
   return sums;
 }

@@ -22,6 +22,7 @@ struct NodeSums {
   Eigen::Vector3d angular = Eigen::Vector3d::Zero();        ///< Σ x_n × p_{n+1/2}
   Eigen::Vector3d linear_impulse = Eigen::Vector3d::Zero(); ///< of loads, penalties and damping about t_n
   Eigen::Vector3d angular_impulse = Eigen::Vector3d::Zero();
+  double linear_scale = 0, angular_scale = 0; ///< Σ |p|, Σ |x × p|
 };
 
 /// p_{n+1/2} = ((1 - α h/2) p_{n-1/2} + h (f_load + f_penalty + M g - f_int)) / (1 + α h/2), h = (dt_last + dt_next)/2,

@@ -8,6 +8,7 @@
 #include "solver/explicit/lane_transpose.hpp"
 #include "solver/explicit/law_access.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -89,6 +90,7 @@ class PointStress {
         const double xi = kappa_ * damping_[l], root = std::sqrt(1 + xi * xi) + xi;
         speed_[l] *= root * root;
       }
+    if (largest(compression_) > 0) limit_compression();
     if (largest(speed_) > extremes.speed_squared)
       for (std::size_t l = 0; l < lanes; ++l)
         if (speed_[l] > extremes.speed_squared) {
@@ -113,7 +115,7 @@ class PointStress {
       eroded_energy_ = Lanes{};
       eroded_ = 0;
     }
-    speed_ = damping_ = power_ = Lanes{};
+    speed_ = damping_ = power_ = compression_ = Lanes{};
     J_ = Lanes{} + no_J;
     inverted_ = LaneMask{};
     has_inverted_ = false;
@@ -131,12 +133,25 @@ class PointStress {
     }
     store(speed_, max(wide(speed_), wide(out.wave_speed_squared)));
     store(damping_, max(wide(damping_), wide(out.damping_ratio)));
+    store(compression_, max(wide(compression_), wide(out.compression)));
     store(J_, min(wide(J_), wide(out.J)));
     store(power_, wide(power_) + weight * wide(out.viscous_power));
     if (any_lane(out.inverted)) {
       Lanes counted;
       store(counted, weight);
       count_inverted(counted, out.inverted);
+    }
+  }
+
+  // The step in which a crushed point would lose `largest_loss` of the volume it has left, as the speed of a wave that
+  // asks for this step: dt = length / (κ c).
+  [[gnu::noinline]] void limit_compression() {
+    constexpr double largest_loss = 0.25;
+    if (in_.dt <= 0) return;
+    const double per_share = in_.length / (kappa_ * largest_loss * in_.dt);
+    for (std::size_t l = 0; l < lanes; ++l) {
+      const double c = compression_[l] * per_share;
+      speed_[l] = std::max(speed_[l], c * c);
     }
   }
 
@@ -170,7 +185,7 @@ class PointStress {
     }
     weight[l] = 0;
     for (int k = 0; k < 9; ++k) P.c[k][l] = 0;
-    out.wave_speed_squared[l] = out.viscous_power[l] = out.damping_ratio[l] = 0;
+    out.wave_speed_squared[l] = out.viscous_power[l] = out.damping_ratio[l] = out.compression[l] = 0;
     out.J[l] = no_J;
     out.inverted[l] = 0;
   }
@@ -182,7 +197,7 @@ class PointStress {
   const double kappa_;
   PointMemory& memory_;
   LawInput in_;
-  Lanes speed_{}, damping_{}, power_{}, eroded_energy_{}, J_;
+  Lanes speed_{}, damping_{}, power_{}, compression_{}, eroded_energy_{}, J_;
   LaneMask inverted_{};
   bool has_inverted_ = false;
   std::int64_t eroded_ = 0;

@@ -30,6 +30,13 @@ void read_time(io::SettingsTable& root, ExplicitRun& run) {
   io::SettingsTable energy = root.table("energy");
   s.energy_limit = number_from(energy, "limit", 0.1, 0);
   run.energy_warning = number_from(energy, "warning", run.energy_warning, 0);
+  io::SettingsTable watch = root.table("watch");
+  for (const auto& [key, value] :
+       {std::pair("contact_warning", &run.watch.contact_warning), std::pair("contact_limit", &run.watch.contact_limit),
+        std::pair("depth_warning", &run.watch.depth_warning), std::pair("depth_limit", &run.watch.depth_limit),
+        std::pair("inverted_warning", &run.watch.inverted_warning),
+        std::pair("inverted_limit", &run.watch.inverted_limit)})
+    *value = number_from(watch, key, *value, 0);
 }
 
 void read_output(io::SettingsTable& root, ExplicitRun& run) {

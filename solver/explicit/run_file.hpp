@@ -71,6 +71,13 @@ struct OutputRun {
   bool viewer = true;          ///< files for ParaView
 };
 
+/// What a run is warned of, and what ends it (0: never).
+struct WatchLimits {
+  double contact_warning = 0.01, contact_limit = 0.05; ///< energy contact gave back too much / the largest energy
+  double depth_warning = 0.5, depth_limit = 1;         ///< of contact, in spans
+  double inverted_warning = 1e-3, inverted_limit = 0;  ///< points below min_volume_ratio / all points of a body
+};
+
 /// A file that the run depends on.
 struct RunInput {
   std::filesystem::path file;
@@ -93,6 +100,7 @@ struct ExplicitRun {
   std::string time_where;       ///< opens messages about the time step
   double smallest_dt = 0;       ///< a step below it is refused; 0: 1e-4 of the first one
   double energy_warning = 0.01; ///< relative error of the energy balance that is warned of
+  WatchLimits watch;
   OutputRun out;
   std::vector<RunInput> inputs; ///< models, tools, curves: what the run depends on beside the run file
   std::vector<std::string> warnings;

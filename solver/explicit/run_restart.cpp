@@ -118,7 +118,7 @@ std::pair<std::vector<std::string>, std::vector<std::string>> read_lists(const i
 bool may_change(const std::string& path) {
   if (path == "output.subdivide") return false; // the fields before have that mesh
   return path.starts_with("time.") || path.starts_with("output.") || path.starts_with("energy.") ||
-         path.starts_with("stop[");
+         path.starts_with("watch.") || path.starts_with("stop[");
 }
 
 struct Change {
@@ -263,10 +263,10 @@ std::vector<std::string> check_restart(const RestartState& restart, const Explic
   for (const Change& change : changes(restart.settings, run)) {
     const std::string what = fmt::format("{}: {} when the run began, {} now", change.path, change.before, change.now);
     if (!may_change(change.path))
-      throw InputError(fmt::format(
-          "{}{}: {}; a restart may change [time], [energy], [[stop]] and [output] without subdivide, nothing else: put "
-          "it back, or start anew without --restart",
-          run.file.string(), change.line > 0 ? fmt::format(":{}", change.line) : "", what));
+      throw InputError(fmt::format("{}{}: {}; a restart may change [time], [energy], [watch], [[stop]] and [output] "
+                                   "without subdivide, nothing else: put "
+                                   "it back, or start anew without --restart",
+                                   run.file.string(), change.line > 0 ? fmt::format(":{}", change.line) : "", what));
     told += (told.empty() ? "" : "; ") + what;
   }
   if (inputs.size() != restart.inputs.size())

@@ -188,9 +188,11 @@ template <class Degrees> class SpanKernel final : public InternalForces {
   ForceReport report() const {
     PointExtremes all;
     for (const PointExtremes& part : extremes_) all.add(part);
-    return {law_.wave_speed / std::sqrt(all.speed_squared),
+    // A body whose points are all eroded has no stiffness that a step could be too long for, and no volume.
+    const bool works = all.J_span >= 0;
+    return {works ? law_.wave_speed / std::sqrt(all.speed_squared) : 1,
             all.speed_span,
-            all.min_J,
+            works ? all.min_J : 0,
             all.J_span,
             all.viscous_power,
             all.inverted,

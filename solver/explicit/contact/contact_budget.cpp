@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <limits>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -15,6 +16,13 @@ namespace {
 
 constexpr double inf = std::numeric_limits<double>::infinity();
 constexpr std::size_t grain = 64;
+// Of a touch whose limit the initial penetration has used up, this share is left.
+constexpr double least_limit = 0.1;
+// A spring that stiffens asks for a step no shorter than this share of the present one, in which its depth comes nearer
+// to the limit by no more than `approach` of what is left.
+constexpr double shortest_next_step = 0.7, approach = 0.25;
+// It asks from this share of its limit on; before, it is as stiff as the present step allows.
+constexpr double hard_share = 2.0 / 3;
 // Crushed foam lowers the stable step to a share of this.
 constexpr double shrinkage = 2.4;
 
@@ -111,9 +119,53 @@ void ContactModel::set_springs() {
       reduced = std::max(ahead, behind);
     else if (ahead > 0 && behind > 0)
       reduced = ahead * behind / (ahead + behind);
-    springs_[c].stiffness = pair.stiffness * reduced * touch.area * memory_[c].factor;
-    springs_[c].with_damping = 1 + damping_factor(pair);
+    Spring& spring = springs_[c];
+    spring.stiffness = pair.stiffness * reduced * memory_[c].area * memory_[c].factor;
+    spring.with_damping = 1 + damping_factor(pair);
+    spring.potential = {std::max(touch.limit - memory_[c].baseline, least_limit * touch.limit),
+                        DepthPotential::hardest};
+    spring.ratio = spring.potential.at(elastic_depth(c)).stiffness;
   }
+}
+
+double ContactModel::elastic_depth(std::size_t c) const {
+  return touches_[c].depth - memory_[c].baseline - memory_[c].spring.shift;
+}
+
+// What is too stiff for this step is made softer, and the next one shorter, as far as springs stiffen with their depth.
+void ContactModel::want_step(const StepTimes& times) {
+  wanted_step_ = inf;
+  for (std::size_t c = 0; c < touches_.size(); ++c) {
+    Spring& spring = springs_[c];
+    const double closing = -dot(spring.velocity, touches_[c].normal);
+    // A spring that opens keeps the potential it was loaded with.
+    if (spring.ratio <= 1 || closing <= 0) spring.potential.largest_ratio = memory_[c].spring.largest_ratio;
+    if (spring.ratio <= 1) continue;
+    double wanted = inf;
+    const bool nears_limit = elastic_depth(c) > hard_share * spring.potential.limit;
+    if (spring.load > 1) {
+      // The tangent k · ratio may be k · ratio · scale: taken from what has stiffened first.
+      if (nears_limit) wanted = times.dt / std::sqrt(spring.load);
+      const double tangent = spring.ratio * spring.scale;
+      spring.potential.largest_ratio = std::min(spring.potential.largest_ratio, std::max(tangent, 1.0));
+      spring.scale = std::min(tangent, 1.0);
+    }
+    const double left = std::max(spring.potential.limit - elastic_depth(c), 0.0);
+    if (nears_limit && closing * times.dt > approach * left) wanted = std::min(wanted, approach * left / closing);
+    wanted = std::max(wanted, shortest_next_step * times.dt);
+    if (wanted < wanted_step_) {
+      wanted_step_ = wanted;
+      wanting_ = c;
+    }
+  }
+}
+
+std::string ContactModel::step_reason() const {
+  if (!(wanted_step_ < inf) || wanted_step_ > largest_step() || wanting_ >= touches_.size()) return {};
+  const Touch& touch = touches_[wanting_];
+  return fmt::format("contact '{}' is pressed {:.3g} deep near ({:.6g}, {:.6g}, {:.6g}), where {:.3g} is the limit",
+                     searches_[pair_of_[wanting_]].pair().name, touch.depth, touch.point[0], touch.point[1],
+                     touch.point[2], touch.limit);
 }
 
 void ContactModel::sum_at_nodes(const SparseRows& T, const std::vector<std::int32_t>& nodes,
@@ -133,7 +185,8 @@ void ContactModel::sum_at_vertices() {
   for (auto& sums : vertex_sum_) std::fill(sums.begin(), sums.end(), 0.0);
   for (std::size_t c = 0; c < touches_.size(); ++c) {
     const Touch& touch = touches_[c];
-    const double k = springs_[c].stiffness * springs_[c].with_damping * springs_[c].scale * springs_[c].load;
+    const Spring& s = springs_[c];
+    const double k = s.stiffness * s.ratio * s.with_damping * s.scale * s.load;
     for (int i = 0; i < touch.count; ++i) {
       const Touch::Entry& e = touch.entries[at(i)];
       vertex_sum_[e.surface][at(e.vertex)] += k * std::abs(e.weight);
@@ -150,7 +203,8 @@ void ContactModel::load_rigid(const StepTimes& times) {
     const Eigen::Vector3d& centre = body.pose().centre;
     const Point3 arm = minus(touch.point, {centre[0], centre[1], centre[2]});
     springs_[c].lever = 1 + norm(arm) / body.radius_of_gyration();
-    rigid_load_[at(touch.rigid)] += springs_[c].stiffness * springs_[c].with_damping * springs_[c].lever;
+    const Spring& s = springs_[c];
+    rigid_load_[at(touch.rigid)] += s.stiffness * s.ratio * s.with_damping * s.lever;
   }
   for (std::size_t r = 0; r < rigid_.size(); ++r)
     rigid_load_[r] = ratio(rigid_load_[r], times.budget * rigid_[r].mass() / (times.dt * times.dt));

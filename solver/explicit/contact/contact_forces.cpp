@@ -52,7 +52,7 @@ Point3 ContactModel::friction(const Touch& touch, const Spring& spring, const Co
 }
 
 void ContactModel::apply_forces(const StepTimes& times) {
-  for (PairForce& pair : report_.pairs) pair = {pair.name, {}, 0, 0, 0, 0, 0};
+  for (PairForce& pair : report_.pairs) pair = {pair.name, {}, 0, 0, 0, {}, 0, 0, pair.span_size};
   for (std::size_t c = 0; c < touches_.size(); ++c) {
     const Touch& touch = touches_[c];
     const Spring& spring = springs_[c];
@@ -60,9 +60,10 @@ void ContactModel::apply_forces(const StepTimes& times) {
     Memory& memory = memory_[c];
     const double k = spring.stiffness * spring.scale, depth = touch.depth - memory.baseline;
     const double opening = dot(spring.velocity, touch.normal);
-    const double elastic = k * depth;
+    memory.spring.take_over(k, spring.potential);
+    const double elastic = k * memory.spring.move_to(elastic_depth(c), k, spring.potential).force;
     double normal_force = elastic;
-    if (depth > 0 && settings.damping > 0)
+    if (elastic > 0 && settings.damping > 0)
       normal_force = std::max(0.0, elastic - damping_of(settings, k, times.dt) * opening);
     report_.energy.damping -= (normal_force - elastic) * opening * times.dt_last;
     const Point3 tangential = friction(touch, spring, settings, normal_force, times, memory);
@@ -77,7 +78,10 @@ void ContactModel::apply_forces(const StepTimes& times) {
     pair.force = plus(pair.force, iga::times(force, touch.first_sign));
     pair.normal_force += normal_force;
     pair.friction_force += norm(tangential);
-    pair.largest_depth = std::max(pair.largest_depth, depth);
+    if (depth > pair.largest_depth) {
+      pair.largest_depth = depth;
+      pair.deepest = touch.point;
+    }
     pair.area += touch.area;
     ++pair.touches;
   }

@@ -22,7 +22,7 @@ constexpr double entry_rounding = 1e-6;
 // one by this, so that a step that breathes leaves them as they are.
 constexpr double breath = 1.1;
 
-constexpr std::size_t numbers_of_touch = 9; // that a restart keeps
+constexpr std::size_t numbers_of_touch = 15; // that a restart keeps
 
 constexpr std::uint64_t pair_key(std::size_t pair, std::uint64_t key) {
   return static_cast<std::uint64_t>(pair) << 56 | key;
@@ -56,8 +56,9 @@ ContactModel::ContactModel(std::vector<ContactSurface> surfaces, std::vector<Rig
     rigid_.emplace_back(std::move(body));
   }
   for (ContactPair& pair : pairs) {
-    report_.pairs.push_back({pair.name, {}, 0, 0, 0, 0, 0});
+    report_.pairs.push_back({pair.name, {}, 0, 0, 0, {}, 0, 0, 0});
     searches_.emplace_back(std::move(pair), surfaces_, rigid_, tool, options.skin);
+    report_.pairs.back().span_size = surfaces_[searches_.back().first()].span_size();
   }
   for (const MovingSurface& s : surfaces_) {
     vertex_sum_.emplace_back(s.mesh().vertices.size(), 0);
@@ -79,6 +80,7 @@ PenaltyEnergy ContactModel::add_forces(const StepTimes& times, std::span<const B
   if (reference_dt_ == 0 || times.dt > 1.05 * reference_dt_) share_budget(bodies, times);
   set_springs();
   keep_within_budget(bodies, times);
+  want_step(times);
   apply_forces(times);
   hand_back(bodies, times);
   started_ = true;
@@ -86,7 +88,7 @@ PenaltyEnergy ContactModel::add_forces(const StepTimes& times, std::span<const B
 }
 
 double ContactModel::largest_step() const {
-  double least = std::numeric_limits<double>::infinity();
+  double least = wanted_step_;
   for (const double step : largest_steps_) least = std::min(least, step);
   return least;
 }
@@ -182,6 +184,7 @@ void ContactModel::find(std::span<const BodyState> bodies, const StepTimes& time
   const double factor = std::max(1.0, shorter * shorter);
   std::vector<Memory> next;
   auto known = memory_.begin(); // both ascend
+  double lost = 0;              // what springs that are gone held in reserve
   for (std::size_t p = 0; p < searches_.size(); ++p) {
     const double h = surfaces_[searches_[p].first()].span_size();
     std::vector<Touch> found = find_touches(searches_[p], surfaces_, rigid_);
@@ -201,12 +204,18 @@ void ContactModel::find(std::span<const BodyState> bodies, const StepTimes& time
                                          "other; take shorter steps or look for a body that blows up",
                                          searches_[p].pair().name, times.time, way, touch.point[0], touch.point[1],
                                          touch.point[2], h));
-      Memory memory{touch.key, {}, 0, touch.depth, 0, factor};
-      while (known != memory_.end() && known->key < touch.key) ++known;
+      Memory memory{touch.key, {}, 0, touch.depth, 0, factor, touch.area, {}};
+      for (; known != memory_.end() && known->key < touch.key; ++known) lost += known->spring.reserve;
       if (known != memory_.end() && known->key == touch.key) {
-        memory = *known;
-        memory.baseline = std::min(known->baseline, touch.depth);
+        memory = *known++;
+        const double last_depth = memory.depth;
+        memory.baseline = std::min(memory.baseline, touch.depth);
+        SpringEnergy& spring = memory.spring;
+        // Depth that no motion explains, because another face is the nearest one now, is no work put into the spring.
+        spring.shift += std::max(0.0, touch.depth - last_depth - entry_allowance * way - entry_rounding * h);
+        spring.shift = std::min(spring.shift, touch.depth - memory.baseline);
         memory.depth = touch.depth;
+        memory.area = std::max(memory.area, touch.area);
       } else {
         const double entered = entry_allowance * way + entry_rounding * h;
         const bool from_outside = started_ && touch.depth <= entered;
@@ -225,11 +234,13 @@ void ContactModel::find(std::span<const BodyState> bodies, const StepTimes& time
       next.push_back(memory);
     }
   }
+  for (; known != memory_.end(); ++known) lost += known->spring.reserve;
+  report_.energy.damping += lost;
   memory_ = std::move(next);
 }
 
 std::vector<SavedArray> ContactModel::save() const {
-  std::vector<SavedArray> arrays{{"contact/numbers", {started_ ? 1.0 : 0.0, reference_dt_}, 0}};
+  std::vector<SavedArray> arrays{{"contact/numbers", {started_ ? 1.0 : 0.0, reference_dt_, wanted_step_}, 0}};
   for (const RigidState& body : rigid_) arrays.push_back({"rigid_bodies/" + body.body().name, body.save(), 0});
   for (std::size_t s = 0; s < surfaces_.size(); ++s) {
     if (surfaces_[s].is_rigid()) continue;
@@ -245,7 +256,9 @@ std::vector<SavedArray> ContactModel::save() const {
     touches.push_back(static_cast<double>(m.key >> 32));
     touches.push_back(static_cast<double>(m.key & 0xffffffffu));
     touches.insert(touches.end(), m.traction.begin(), m.traction.end());
-    touches.insert(touches.end(), {m.baseline, m.depth, m.sliding, m.factor});
+    touches.insert(touches.end(), {m.baseline, m.depth, m.sliding, m.factor, m.area});
+    const SpringEnergy& spring = m.spring;
+    touches.insert(touches.end(), {spring.elastic, spring.shift, spring.stored, spring.reserve, spring.largest_ratio});
   }
   arrays.push_back({"contact/touches", std::move(touches), numbers_of_touch});
   return arrays;
@@ -255,6 +268,7 @@ void ContactModel::load(std::span<const SavedArray> arrays) {
   auto next = arrays.begin();
   started_ = next->values[0] > 0;
   reference_dt_ = next->values[1];
+  wanted_step_ = next->values[2];
   for (RigidState& body : rigid_) body.restore((++next)->values);
   density_.assign(surfaces_.size(), {});
   for (std::size_t s = 0; s < surfaces_.size(); ++s) {
@@ -271,7 +285,9 @@ void ContactModel::load(std::span<const SavedArray> arrays) {
                        touches[k + 5],
                        touches[k + 6],
                        touches[k + 7],
-                       touches[k + 8]});
+                       touches[k + 8],
+                       touches[k + 9],
+                       {touches[k + 10], touches[k + 11], touches[k + 12], touches[k + 13], touches[k + 14]}});
   for (PairSearch& search : searches_) search.expire();
 }
 

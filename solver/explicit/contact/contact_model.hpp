@@ -1,6 +1,7 @@
 // Penalty contact of all bodies: forces, friction, energies. See README.md for the equations.
 #pragma once
 
+#include "solver/explicit/contact/contact_spring.hpp"
 #include "solver/explicit/contact/touch.hpp"
 #include "solver/explicit/force_source.hpp"
 
@@ -13,8 +14,11 @@ struct PairForce {
   double normal_force = 0;   ///< Σ of the normal parts, force
   double friction_force = 0; ///< Σ of the tangential parts' sizes, force
   double largest_depth = 0;  ///< beyond the baseline of initial penetration, length
+  Point3 deepest{};          ///< where that is
   double area = 0;           ///< reference area in contact, length²
   std::int64_t touches = 0;
+  double span_size = 0; ///< of the first side, length
+  double depth_in_spans() const { return span_size > 0 ? largest_depth / span_size : 0; }
 };
 
 struct ContactReport {
@@ -57,10 +61,11 @@ class ContactModel : public PenaltySource {
   static constexpr double longest_step = 0.5;
   /// Looks for them before the first step of a run, once. @throws InputError naming the pair, the depth and the place
   void refuse_deep_overlaps(std::span<const BodyState> bodies);
-  /// ContactOptions::step for the bodies whose wave speed is known.
+  /// ContactOptions::step for the bodies whose wave speed is known; shorter while springs stiffen.
   double largest_step() const override;
   /// That of one body, infinite where it touches nothing.
   double largest_step(std::size_t body) const { return largest_steps_[body]; }
+  std::string step_reason() const override;
   /// Rigid bodies from t_n to t_{n+1}; other forces on them are added before.
   void advance(const StepTimes& times) override;
   /// Of the free rigid bodies.
@@ -85,13 +90,17 @@ class ContactModel : public PenaltySource {
     double depth = 0;    ///< length
     double sliding = 0;  ///< 1 while the friction limit is reached
     double factor = 1;   ///< on the stiffness, for as long as it touches
+    double area = 0;     ///< largest so far: a surface that folds under its load goes on to be held, length²
+    SpringEnergy spring;
   };
   struct Spring {
     double stiffness = 0, scale = 1;
     double with_damping = 1; ///< factor on the stiffness in the bound of stability
-    double load = 1;         ///< dt² λ of the bound over the budget, as this spring and those beside it would have it
-    double lever = 0;        ///< 1 + arm / radius of gyration of a free rigid body
-    Point3 velocity{};       ///< relative, of the side pushed along the normal
+    DepthPotential potential;
+    double ratio = 1;  ///< φ'': tangent over stiffness
+    double load = 1;   ///< dt² λ of the bound over the budget, as this spring and those beside it would have it
+    double lever = 0;  ///< 1 + arm / radius of gyration of a free rigid body
+    Point3 velocity{}; ///< relative, of the side pushed along the normal
   };
 
   void look_where_stale(std::span<const BodyState> bodies);
@@ -103,6 +112,8 @@ class ContactModel : public PenaltySource {
   void share_budget(std::span<const BodyState> bodies, const StepTimes& times);
   void set_springs();
   void keep_within_budget(std::span<const BodyState> bodies, const StepTimes& times);
+  void want_step(const StepTimes& times);
+  double elastic_depth(std::size_t touch) const;
   void load_rigid(const StepTimes& times);
   void sum_at_vertices();
   static void sum_at_nodes(const SparseRows& columns, const std::vector<std::int32_t>& nodes,
@@ -118,8 +129,10 @@ class ContactModel : public PenaltySource {
   std::vector<PairSearch> searches_;
   ContactReport report_;
   bool started_ = false, overlaps_are_checked_ = false;
-  double reference_dt_ = 0;           ///< of the springs
-  std::vector<double> largest_steps_; ///< per deformable body
+  double reference_dt_ = 0;                                      ///< of the springs
+  std::vector<double> largest_steps_;                            ///< per deformable body
+  double wanted_step_ = std::numeric_limits<double>::infinity(); ///< of the next step, by springs that stiffen
+  std::size_t wanting_ = 0;                                      ///< the touch that asks for it
   /// Per surface and vertex: mass of the slab behind it / dt², lowered where a node could not bear it; force/length³.
   std::vector<std::vector<double>> density_;
   std::vector<std::vector<double>> vertex_sum_; ///< per surface and vertex: Σ k |weight| of this step

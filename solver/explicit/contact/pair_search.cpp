@@ -117,7 +117,7 @@ PairSearch::PairSearch(ContactPair pair, const std::vector<MovingSurface>& surfa
     const std::size_t r = pair_.second.number;
     if (r >= rigid.size()) throw InputError(fmt::format("contact '{}': there is no rigid body {}", pair_.name, r));
     if (tool[r] < 0) {
-      vertex_shape_.push_back({first_, r, {}});
+      vertex_shape_.push_back({first_, r, {}, {}});
       return;
     }
     second_ = at(tool[r]);
@@ -149,7 +149,7 @@ PairSearch::PairSearch(ContactPair pair, const std::vector<MovingSurface>& surfa
 std::size_t PairSearch::num_candidates() const {
   std::size_t n = 0;
   for (const auto& pass : vertex_face_) n += pass.faces.size();
-  for (const auto& pass : vertex_shape_) n += pass.vertex.size();
+  for (const auto& pass : vertex_shape_) n += pass.vertex.size() + pass.face.size();
   for (const auto& pass : edges_) n += pass.edges.size();
   return n;
 }
@@ -345,6 +345,20 @@ void PairSearch::look_at_shape(VertexShapeCandidates& pass, const std::vector<Mo
     smallest = std::min(smallest, gap);
     if (gap <= skin_) pass.vertex.push_back(static_cast<std::int32_t>(v));
   }
+  pass.face.clear();
+  if (const auto* sphere = std::get_if<SphereShape>(&body.body().shape)) {
+    const Eigen::Vector3d& c = body.pose().centre;
+    const double offset = VertexShapeCandidates::face_offset * slave.span_size();
+    for (std::size_t f = 0; f < slave.mesh().triangles.size(); ++f) {
+      if (!mask(pass.slave).face[f]) continue;
+      const Triangle& t = slave.mesh().triangles[f];
+      const double distance2 =
+          closest_on_triangle({c[0], c[1], c[2]}, slave.x(t[0]), slave.x(t[1]), slave.x(t[2])).distance2;
+      const double gap = std::sqrt(distance2) - sphere->radius + offset;
+      smallest = std::min(smallest, gap);
+      if (gap <= skin_) pass.face.push_back(static_cast<std::int32_t>(f));
+    }
+  }
   if (smallest > skin_) allowance_ = smallest;
 }
 
@@ -384,8 +398,11 @@ void PairSearch::look_at_edges(EdgeCandidates& pass, const std::vector<MovingSur
 
 void PairSearch::mark(const std::vector<MovingSurface>& surfaces,
                       std::vector<std::vector<std::uint8_t>>& is_active) const {
-  for (const auto& pass : vertex_shape_)
+  for (const auto& pass : vertex_shape_) {
     for (const std::int32_t v : pass.vertex) mark_ring(surfaces[pass.slave].mesh(), v, is_active[pass.slave]);
+    for (const std::int32_t f : pass.face)
+      for (const std::int32_t v : surfaces[pass.slave].mesh().triangles[at(f)]) is_active[pass.slave][at(v)] = 1;
+  }
   for (const auto& pass : vertex_face_) {
     for (const std::int32_t v : pass.vertex) mark_ring(surfaces[pass.slave].mesh(), v, is_active[pass.slave]);
     const ContactMesh& master = surfaces[pass.master].mesh();

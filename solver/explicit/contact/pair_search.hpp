@@ -25,6 +25,10 @@ struct VertexFaceCandidates {
 struct VertexShapeCandidates {
   std::size_t slave = 0, rigid = 0;
   std::vector<std::int32_t> vertex; ///< ascending
+  std::vector<std::int32_t> face;   ///< faces whose inside may touch a sphere, ascending
+  /// Faces count as touched from this depth on, in spans: a sphere that lies on flat triangles is between their corners
+  /// by less, one that a stretched surface spans like a tent by more.
+  static constexpr double face_offset = 0.05;
 };
 
 /// Sharp edges (numbers in ContactMesh::sharp_edges) that may cross.

@@ -19,6 +19,10 @@ constexpr double touching = 1e-6;
 // Deepest penetration that is seen, as a share of the thickness behind a face: beyond the middle of a wall the other
 // side is nearer.
 constexpr double seen_share = 0.5;
+// Depth that springs do not let pass: this many spans, and so much of the thickness, before nothing is seen any more.
+constexpr double limit_spans = 0.5, limit_share = 0.45;
+// A vertex within a closed form is pushed out whichever way its faces look: this share of their area stands behind it.
+constexpr double least_area_share = 0.1;
 // Faces take part in a contact where their normals oppose it by more than 6 degrees beyond square: the side of a block
 // has nothing to do with what stands on it, though it is as near to the edges.
 constexpr double least_facing = 0.1;
@@ -33,6 +37,14 @@ double facing_area(const MovingSurface& s, const SideMask& mask, std::int32_t v,
     const double against = -dot(n, normal), length = norm(n);
     if (against > least_facing * length) area += s.mesh().face_area[at(f)] / 3 * (against / length);
   }
+  return area;
+}
+
+/// Reference area of all faces around a vertex.
+double ring_area(const MovingSurface& s, const SideMask& mask, std::int32_t v) {
+  double area = 0;
+  for (const std::int32_t f : s.mesh().faces_of(v))
+    if (mask.face[at(f)]) area += s.mesh().face_area[at(f)] / 3;
   return area;
 }
 
@@ -100,6 +112,7 @@ std::optional<Touch> touch_face(const PairSearch& search, std::size_t pass_numbe
   if (touch.depth > seen_share * master.mesh().thickness[at(best.face)]) return std::nullopt;
   const double h = slave.is_rigid() ? master.span_size() : slave.span_size();
   const bool own_direction = best.on.feature > 0 && touch.depth > touching * h;
+  touch.limit = std::min(limit_spans * h, limit_share * master.mesh().thickness[at(best.face)]);
   touch.normal = own_direction ? times(away, -1 / touch.depth) : times(outward, 1 / norm(outward));
   const Triangle& t = master.mesh().triangles[at(best.face)];
   touch.area = facing_area(slave, search.mask(pass.slave), v, touch.normal);
@@ -110,6 +123,7 @@ std::optional<Touch> touch_face(const PairSearch& search, std::size_t pass_numbe
   const std::pair<std::int32_t, double> own[]{{v, 1.0}};
   const std::pair<std::int32_t, double> other[]{
       {t[0], best.on.weight[0]}, {t[1], best.on.weight[1]}, {t[2], best.on.weight[2]}};
+  touch.point = x;
   add_side(touch, pass.slave, slave, 1, own, x);
   add_side(touch, pass.master, master, -1, other, best.on.position);
   touch.area *= pass.share;
@@ -128,12 +142,43 @@ std::optional<Touch> touch_shape(const PairSearch& search, std::size_t candidate
   touch.key = vertex_key(0, v);
   touch.depth = -distance.gap;
   touch.normal = body.turned(distance.normal);
-  touch.area = facing_area(slave, search.mask(pass.slave), v, touch.normal);
+  touch.area = std::max(facing_area(slave, search.mask(pass.slave), v, touch.normal),
+                        least_area_share * ring_area(slave, search.mask(pass.slave), v));
+  touch.limit = std::min(limit_spans * slave.span_size(), 2 * limit_share * bounding_radius(body.body().shape));
   touch.entries[0] = {pass.slave, v, 1};
   touch.count = 1;
   touch.rigid = static_cast<std::ptrdiff_t>(pass.rigid);
   touch.rigid_sign = -1;
   touch.point = slave.x(v);
+  return touch;
+}
+
+std::optional<Touch> touch_sphere(const PairSearch& search, std::size_t candidate,
+                                  const std::vector<MovingSurface>& surfaces, const std::vector<RigidState>& rigid) {
+  const VertexShapeCandidates& pass = search.vertex_shape()[0];
+  const MovingSurface& slave = surfaces[pass.slave];
+  const RigidState& body = rigid[pass.rigid];
+  const std::int32_t face = pass.face[candidate];
+  const Triangle& t = slave.mesh().triangles[at(face)];
+  const Eigen::Vector3d& centre = body.pose().centre;
+  const Point3 c{centre[0], centre[1], centre[2]};
+  const ClosestOnTriangle on = closest_on_triangle(c, slave.x(t[0]), slave.x(t[1]), slave.x(t[2]));
+  if (on.feature > 3) return std::nullopt; // the vertex has its own touch
+  if (on.feature > 0 && slave.mesh().neighbour[at(face)][at(on.feature - 1)] > face)
+    return std::nullopt; // counts there
+  const double radius = std::get<SphereShape>(body.body().shape).radius, distance = std::sqrt(on.distance2);
+  Touch touch;
+  touch.depth = radius - distance - VertexShapeCandidates::face_offset * slave.span_size();
+  if (!(touch.depth > 0) || !(distance > touching * radius)) return std::nullopt;
+  touch.key = std::uint64_t{2} << 54 | static_cast<std::uint64_t>(face);
+  touch.normal = times(minus(on.position, c), 1 / distance);
+  touch.area = slave.mesh().face_area[at(face)] / 3;
+  touch.limit = std::min(limit_spans * slave.span_size(), 2 * limit_share * radius);
+  for (std::size_t i = 0; i < 3; ++i) touch.entries[i] = {pass.slave, t[i], on.weight[i]};
+  touch.count = 3;
+  touch.rigid = static_cast<std::ptrdiff_t>(pass.rigid);
+  touch.rigid_sign = -1;
+  touch.point = on.position;
   return touch;
 }
 
@@ -162,11 +207,14 @@ std::optional<Touch> touch_edge(const PairSearch& search, std::size_t candidate,
     if (!(dot(second.normal_now(f), n) > 0)) return std::nullopt;
   for (const std::int32_t f : {e.left, e.right})
     if (!(dot(first.normal_now(f), n) < 0)) return std::nullopt;
+  touch.limit = std::min({limit_spans * (first.is_rigid() ? second : first).span_size(),
+                          limit_share / seen_share * std::min(limit(first, e), limit(second, o))});
   touch.key = std::uint64_t{3} << 54 | static_cast<std::uint64_t>(i) << 27 | static_cast<std::uint64_t>(j);
   touch.normal = n;
   touch.area = 0.5 * std::min(e.area, o.area);
   const std::pair<std::int32_t, double> own[]{{e.a, 1 - near.s}, {e.b, near.s}};
   const std::pair<std::int32_t, double> other[]{{o.a, 1 - near.t}, {o.b, near.t}};
+  touch.point = p;
   add_side(touch, pass.first, first, 1, own, p);
   add_side(touch, pass.second, second, -1, other, q);
   return touch;
@@ -188,8 +236,10 @@ std::vector<Touch> find_touches(const PairSearch& search, const std::vector<Movi
   };
   for (std::size_t p = 0; p < search.vertex_face().size(); ++p)
     collect(search.vertex_face()[p].vertex.size(), [&](std::size_t k) { return touch_face(search, p, k, surfaces); });
-  for (const auto& pass : search.vertex_shape())
+  for (const auto& pass : search.vertex_shape()) {
     collect(pass.vertex.size(), [&](std::size_t k) { return touch_shape(search, k, surfaces, rigid); });
+    collect(pass.face.size(), [&](std::size_t k) { return touch_sphere(search, k, surfaces, rigid); });
+  }
   for (const auto& pass : search.edges())
     collect(pass.edges.size(), [&](std::size_t k) { return touch_edge(search, k, surfaces); });
   return touches;

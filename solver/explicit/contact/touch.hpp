@@ -20,11 +20,12 @@ struct Touch {
   int count = 0;
   std::ptrdiff_t rigid = -1; ///< rigid body on one side
   double rigid_sign = 0;     ///< its weight
-  Point3 point{};            ///< where the rigid body is pushed, length
+  Point3 point{};            ///< where it is; where the rigid body is pushed, length
   Point3 normal{};           ///< unit; out of the second side of the touch
   double first_sign = 1;     ///< the first side of the pair is pushed along (1) or against (-1) the normal
   double depth = 0;          ///< > 0, length
   double area = 0;           ///< reference area that stands behind it, length²
+  double limit = 0;          ///< depth that its spring does not let pass, length
 };
 
 /// @pre positions of active vertices are up to date
@@ -32,6 +33,9 @@ std::optional<Touch> touch_face(const PairSearch& search, std::size_t pass, std:
                                 const std::vector<MovingSurface>& surfaces);
 std::optional<Touch> touch_shape(const PairSearch& search, std::size_t candidate,
                                  const std::vector<MovingSurface>& surfaces, const std::vector<RigidState>& rigid);
+/// A sphere in the inside of a face, or of an edge between two: where it is deeper than at the corners around.
+std::optional<Touch> touch_sphere(const PairSearch& search, std::size_t candidate,
+                                  const std::vector<MovingSurface>& surfaces, const std::vector<RigidState>& rigid);
 std::optional<Touch> touch_edge(const PairSearch& search, std::size_t candidate,
                                 const std::vector<MovingSurface>& surfaces);
 

@@ -7,12 +7,13 @@
 namespace iga::solve {
 
 enum class InvertedPoints {
-  Clamp, ///< the law is evaluated at smallest_J at most; a spring in J beyond it pushes back, also through J < 0
+  Clamp, ///< the law is evaluated at smallest_J at most; what resists full crushing is added (compaction.hpp)
   Erode, ///< no stress; the kernel takes the point out for good and books its energy
   Stop   ///< no stress; the kernel ends the run
 };
 
-/// Points with J < smallest_J are named in LawOutput::inverted, whatever the action.
+/// Points with J < smallest_J, or squeezed flatter than that (is_crushed), are named in LawOutput::inverted, whatever
+/// the action.
 struct InversionPolicy {
   InvertedPoints action = InvertedPoints::Clamp;
   double smallest_J = 0.05;
@@ -25,6 +26,7 @@ struct PackOutput {
   PackMask inverted{};
   Pack viscous_power{};
   Pack damping_ratio{};
+  Pack compression{};
 };
 
 /// Hands stress and output of a pack to the kernel. Inverted points that are not clamped get no stress and the wave
@@ -42,6 +44,7 @@ inline void store(const InversionPolicy& policy, double at_rest, PackTensor& str
   store(out.inverted, k, o.inverted);
   store(out.viscous_power, k, o.viscous_power);
   store(out.damping_ratio, k, o.damping_ratio);
+  store(out.compression, k, o.compression);
 }
 
 } // namespace iga::solve

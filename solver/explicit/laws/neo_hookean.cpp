@@ -1,5 +1,6 @@
 #include "solver/explicit/laws/neo_hookean.hpp"
 
+#include "solver/explicit/laws/compaction.hpp"
 #include "solver/explicit/laws/pack_math.hpp"
 
 namespace iga::solve {
@@ -17,9 +18,13 @@ void NeoHookean::stress(const LawInput& in, Lanes*, TensorLanes& P, LawOutput& o
     PackTensor stress;
     for (int i = 0; i < 9; ++i) stress.c[i] = mu * F.c[i] + pressure * cof.c[i];
     // dp < 0 where J > e^{1 + μ/λ}: then the shear wave is the fastest.
-    const Pack area = largest_area_stretch_squared(squares(F), squares(cof), J);
-    const PackOutput o{
-        .wave_speed_squared = (mu + max(dp, 0.0) * area) * (1 / density), .J = J, .inverted = J < inversion.smallest_J};
+    const Pack squares_of_cofactor = squares(cof);
+    const Pack area = largest_area_stretch_squared(squares(F), squares_of_cofactor, J);
+    const PackMask crushed = is_crushed(J, squares_of_cofactor, inversion.smallest_J);
+    Pack acoustic = mu + max(dp, 0.0) * area;
+    if (any(crushed))
+      acoustic += resist_crushing(J, cof, squares_of_cofactor, area, inversion.smallest_J, lambda + 2 * mu, stress);
+    const PackOutput o{.wave_speed_squared = acoustic * (1 / density), .J = J, .inverted = crushed};
     store(inversion, at_rest, stress, o, k, P, out);
   }
 }

@@ -6,8 +6,8 @@
 namespace iga::solve {
 
 /// ψ = μ/2 (F:F - 3) - μ ln J + λ/2 (ln J)², so P = μ F + p(J) cof F with p = (λ ln J - μ)/J (Bonet and Wood 2008,
-/// 6.4.3). With the policy Clamp p goes on linearly below smallest_J: ψ is continued to second order in J, also
-/// through J ≤ 0. The acoustic tensor is μ I + p'(J) c cᵀ, c = cof F · N.
+/// 6.4.3). With the policy Clamp p goes on linearly below smallest_J (ψ is continued to second order in J), and
+/// resist_crushing is added. The acoustic tensor is μ I + p'(J) c cᵀ, c = cof F · N.
 struct NeoHookean {
   static constexpr int history = 0;
   static constexpr bool needs_old_F = false;

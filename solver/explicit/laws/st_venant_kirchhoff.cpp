@@ -1,5 +1,7 @@
 #include "solver/explicit/laws/st_venant_kirchhoff.hpp"
 
+#include "solver/explicit/laws/compaction.hpp"
+
 namespace iga::solve {
 
 void StVenantKirchhoff::stress(const LawInput& in, Lanes*, TensorLanes& P, LawOutput& out) const {
@@ -17,7 +19,7 @@ void StVenantKirchhoff::stress(const LawInput& in, Lanes*, TensorLanes& P, LawOu
     for (int i = 0; i < 3; ++i) S.c[i] += volumetric - mu;
     PackOutput o;
     o.J = J;
-    o.inverted = J < inversion.smallest_J;
+    o.inverted = is_crushed(J, squares_of_cofactor, inversion.smallest_J);
     const Pack pressure = spring * min(J - inversion.smallest_J, 0.0);
     PackTensor stress;
     for (int a = 0; a < 3; ++a)
@@ -27,8 +29,11 @@ void StVenantKirchhoff::stress(const LawInput& in, Lanes*, TensorLanes& P, LawOu
     const Pack stretch = largest_eigenvalue_bound(squares_of_F, squares_of_cofactor);
     const Pack area = largest_area_stretch_squared(squares_of_F, squares_of_cofactor, J);
     const Pack from_stress = max(volumetric + mu * (stretch - 1.0), 0.0);
-    const Pack from_pressure = o.inverted ? spring * area : Pack{};
-    o.wave_speed_squared = (from_stress + modulus * stretch + from_pressure) * (1 / density);
+    const Pack from_pressure = J < inversion.smallest_J ? spring * area : Pack{};
+    Pack acoustic = from_stress + modulus * stretch + from_pressure;
+    if (any(o.inverted))
+      acoustic += resist_crushing(J, cof, squares_of_cofactor, area, inversion.smallest_J, modulus, stress);
+    o.wave_speed_squared = acoustic * (1 / density);
     store(inversion, modulus / density, stress, o, k, P, out);
   }
 }

@@ -6,8 +6,8 @@
 namespace iga::solve {
 
 /// S = λ tr(E) I + 2 μ E, E = (FᵀF - I)/2, P = F S: large rotations, moderate strains. In compression it softens and is
-/// unstable below a stretch of √⅓ = 0.577. With the policy Clamp a pressure M (J / smallest_J - 1) is added below
-/// smallest_J (on top of the law, which is finite for every F).
+/// unstable below a stretch of √⅓ = 0.577. With the policy Clamp a pressure M (J / smallest_J - 1) and resist_crushing
+/// are added below smallest_J (on top of the law, which is finite for every F).
 struct StVenantKirchhoff {
   static constexpr int history = 0;
   static constexpr bool needs_old_F = false;

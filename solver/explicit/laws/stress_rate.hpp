@@ -1,6 +1,7 @@
 // Hughes–Winget increments: what laws in rate form share.
 #pragma once
 
+#include "solver/explicit/laws/compaction.hpp"
 #include "solver/explicit/laws/inversion.hpp"
 
 namespace iga::solve {
@@ -11,10 +12,13 @@ struct RateGeometry {
   Pack clamped;      ///< max(J, smallest_J)
   Pack area_squared; ///< max |cof F N|²
   PackTensor cofactor;
+  Pack cofactor_squares; ///< |cof F|²
 
   RateGeometry(const PackTensor& F, const PackTensor& cof, double smallest_J)
-      : J(determinant(F, cof)), clamped(max(J, smallest_J)),
-        area_squared(largest_area_stretch_squared(squares(F), squares(cof), J)), cofactor(cof) {}
+      : J(determinant(F, cof)), clamped(max(J, smallest_J)), cofactor(cof), cofactor_squares(squares(cof)) {
+    area_squared = largest_area_stretch_squared(squares(F), cofactor_squares, J);
+  }
+  PackMask is_crushed(double smallest) const { return solve::is_crushed(J, cofactor_squares, smallest); }
 };
 
 /// Strain and rotation of one step about its midpoint: G = ΔF F_{n+1/2}^-1, strain = sym G, and θ half the axial vector
@@ -24,6 +28,7 @@ struct RateIncrement {
   Pack rotation[3];      ///< θ
   Pack one_over_clamped; ///< 1 / RateGeometry::clamped
   PackMask inverted;
+  Pack compression{}; ///< LawOutput::compression
 };
 
 /// Points with J < smallest_J, or whose midpoint is that flat, get the increment zero: their stress stays.
@@ -49,6 +54,16 @@ inline RateIncrement rate_increment(const PackTensor& F, const PackTensor& F_old
   r.rotation[0] = 0.25 * (G(2, 1) - G(1, 2));
   r.rotation[1] = 0.25 * (G(0, 2) - G(2, 0));
   r.rotation[2] = 0.25 * (G(1, 0) - G(0, 1));
+  const PackMask crushed = (geometry.J < crushed_J) | geometry.is_crushed(flat);
+  if (any(crushed)) {
+    constexpr double tiny = 1e-200;
+    const double last = CrushingEnergy::last_ratio * smallest_J;
+    const PackTensor cof_old = cofactor(F_old);
+    const Pack J_old = determinant(F_old, cof_old), s_old = J_old / sqrt(squares(cof_old) + tiny);
+    const Pack s = geometry.J / sqrt(geometry.cofactor_squares + tiny);
+    const Pack lost = max((J_old - geometry.J) / max(geometry.J, last), (s_old - s) / max(s, last));
+    r.compression = crushed ? max(lost, 0.0) : Pack{};
+  }
   return r;
 }
 
@@ -104,8 +119,9 @@ struct RateTrial {
   }
 };
 
-/// The end of every rate law: P = (σ + viscous) cof F, and below smallest_J the spring of the policy Clamp, a pressure
-/// M (1 - J / smallest_J) (M the modulus of a plane wave: as stiff as the elastic material at smallest_J).
+/// The end of every rate law: P = (σ + viscous) cof F, and below smallest_J the policy Clamp: a spring, a pressure
+/// M (1 - J / smallest_J) (M the modulus of a plane wave: as stiff as the elastic material at smallest_J), and
+/// resist_crushing.
 ///
 /// Wave speed: with g = F^-T N, the acoustic tensor is J (∂σ/∂l) g⊗g; the terms of σ tr l and σ lᵀ cancel, the spin
 /// adds at most half the difference of the principal stresses, which √J2 bounds. So ρ c² ≤ |cof F N|²/J · (M_t + √J2).
@@ -117,14 +133,19 @@ inline PackTensor finish_rate_law(const RateGeometry& geometry, const RateIncrem
   const Pack spring = modulus / smallest_J * min(geometry.J - smallest_J, 0.0);
   PackSymmetric total = sigma;
   for (int i = 0; i < 3; ++i) total.c[i] += spring;
-  const PackMask below = geometry.J < smallest_J;
+  const PackMask below = geometry.J < smallest_J, crushed = geometry.is_crushed(smallest_J);
   const Pack extra = below ? pack(modulus / smallest_J) : Pack{};
   o.J = geometry.J;
-  o.inverted = step.inverted;
+  o.inverted = step.inverted | crushed;
+  o.compression = step.compression;
   o.wave_speed_squared = geometry.area_squared *
                          ((tangent + rough_sqrt(deviator_invariant(sigma) + tiny)) * step.one_over_clamped + extra) *
                          (1 / density);
-  return first_piola(total, geometry.cofactor);
+  PackTensor P = first_piola(total, geometry.cofactor);
+  if (any(crushed))
+    o.wave_speed_squared += (1 / density) * resist_crushing(geometry.J, geometry.cofactor, geometry.cofactor_squares,
+                                                            geometry.area_squared, smallest_J, modulus, P);
+  return P;
 }
 
 } // namespace iga::solve

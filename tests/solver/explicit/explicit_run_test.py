@@ -358,6 +358,7 @@ class ExplicitRunTest(unittest.TestCase):
         text = run_text(law="neo-hookean", material="", end=2).replace("gravity = [0, 0, -0.01]", "").replace("damping = 0.01", "")
         (self.path / "spin.toml").write_text(text[:text.index("[[rigid_bodies]]")] + text[text.index("[time]"):])
         report = json.loads(self.solve("spin.toml", "spin.h5", "--json", "--force").stdout)
+        self.assertLess(report["angular_momentum_error"], 1e-12)
         self.assertLess(report["momentum_error"], 1e-12)  # of the momentum that its parts carry, not of their sum of zero
         self.assertRegex("\n".join(report["warnings"]), r"rotational inertia that is off by \+\S+ % about the axis of its spin.*two-pass")
 
