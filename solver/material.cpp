@@ -96,8 +96,8 @@ ElasticMaterial anisotropic(const VoigtMatrix& C, double density) {
                     "must store energy",
                     eigenvalues[0]));
   need_density(density);
-  need_range("the largest entry of C", eigen.eigenvalues()[5]);
-  need_wave_speed(eigen.eigenvalues()[5], density);
+  need_range("the largest entry of C", eigenvalues[5]);
+  need_wave_speed(eigenvalues[5], density);
   ElasticMaterial m;
   m.C = (C + C.transpose()) / 2;
   m.density = density;
