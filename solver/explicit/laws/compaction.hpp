@@ -3,6 +3,8 @@
 
 #include "solver/explicit/laws/pack_tensor.hpp"
 
+#include <cmath>
+
 namespace iga::solve {
 
 /// u(x) = (1 - x)³ / x² for x < 1, 0 above: u, u' and u'' begin at zero, and u → ∞ for x → 0. A step may leap over that
@@ -22,23 +24,31 @@ struct CrushingEnergy {
   }
 };
 
-/// Smallest stretch, in effect: s = 1 / |F^-1| = J / |cof F| (Frobenius norms), between a √3-th and the whole of the
+/// s = 1 / |F^-1| = J / |cof F| (Frobenius norms) of a column that is compressed to the volume ratio J: 0.577 at rest, J
+/// where that is small.
+inline double column_stretch(double J) {
+  return J / std::sqrt(1 + 2 * J * J);
+}
+
+/// Crushed: J < smallest, or flatter than a column of that volume ratio. s is between a √3-th and the whole of the
 /// smallest principal stretch, equal to it where that is small; negative where J is.
 inline PackMask is_crushed(const Pack& J, const Pack& squares_of_cofactor, double smallest) {
-  return (J < smallest) | (J * J < smallest * smallest * squares_of_cofactor);
+  const double s = column_stretch(smallest);
+  return (J < smallest) | (J * J < s * s * squares_of_cofactor);
 }
 
 /// Added to every law with geometry where a point is crushed, beside what the law itself does below smallest_J:
-///   U(F) = M r (u(J / r) + u(s / r)), r = smallest_J, M the modulus of a plane wave.
+///   U(F) = M (r u(J / r) + r_s u(s / r_s)), r = smallest_J, r_s = column_stretch(r), M the modulus of a plane wave.
 /// The volume ratio alone would not do: material that gives way to the sides is squeezed to a sheet of no thickness at
-/// any volume. P = M (u'(J/r) cof F + u'(s/r) cof F (cof F)ᵀ cof F / |cof F|³); the second gradient's norm is at
+/// any volume. P = M (u'(J/r) cof F + u'(s/r_s) cof F (cof F)ᵀ cof F / |cof F|³); the second gradient's norm is at
 /// most 1.
-/// @return what it adds to a bound of ρ c²: M/r (u''(J/r) |cof F N|² + 2 u''(s/r))
+/// @return what it adds to a bound of ρ c²: M (u''(J/r) |cof F N|² / r + 2 u''(s/r_s) / r_s)
 inline Pack resist_crushing(const Pack& J, const PackTensor& cof, const Pack& squares_of_cofactor,
                             const Pack& area_squared, double smallest_J, double modulus, PackTensor& P) {
   constexpr double tiny = 1e-200;
   const Pack one_over_norm = 1.0 / sqrt(squares_of_cofactor + tiny);
-  const CrushingEnergy volume(J * (1 / smallest_J)), stretch(J * one_over_norm * (1 / smallest_J));
+  const double smallest_s = column_stretch(smallest_J);
+  const CrushingEnergy volume(J * (1 / smallest_J)), stretch(J * one_over_norm * (1 / smallest_s));
   const Pack along = modulus * volume.slope;
   const Pack across = modulus * stretch.slope * one_over_norm * one_over_norm * one_over_norm;
   PackSymmetric A; // (cof F)ᵀ cof F
@@ -49,7 +59,7 @@ inline Pack resist_crushing(const Pack& J, const PackTensor& cof, const Pack& sq
   for (int a = 0; a < 3; ++a)
     for (int b = 0; b < 3; ++b)
       P(a, b) += along * cof(a, b) + across * (cof(a, 0) * A(0, b) + cof(a, 1) * A(1, b) + cof(a, 2) * A(2, b));
-  return (modulus / smallest_J) * (volume.curvature * area_squared + 2.0 * stretch.curvature);
+  return modulus * ((1 / smallest_J) * volume.curvature * area_squared + (2 / smallest_s) * stretch.curvature);
 }
 
 /// A point that is crushed below this volume ratio, or flatter than `flat`, may lose no more of either in a step than
