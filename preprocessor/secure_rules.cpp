@@ -230,9 +230,11 @@ void TrimmedRules::secure(const QuadratureOptions& options) {
     const auto& [a, hold] = weak[i];
     Judge& judge = judges.local();
     const SpanRule full = judge.open(touched_[a], grid_->degree());
-    rules[i] = {a, full};
+    // As in SpanReducer::reduce: a sliver where positions have few digits left keeps the rule it has.
+    const auto fits = [&](const SpanRule& rule) { return rule.residual <= options.tolerance; };
+    rules[i] = {a, fits(full) ? full : rule(a)};
     for (SpanRule& product : stronger_products(judge.fitter.part(), rule(a), grid_->degree()))
-      if (judge.keeps(hold, product, full)) {
+      if (fits(product) && judge.keeps(hold, product, full)) {
         rules[i].second = std::move(product);
         break;
       }

@@ -92,6 +92,7 @@ std::size_t SpanReducer::least_points() const {
 }
 
 void SpanReducer::reduce(std::size_t touched, SpanRule& rule) {
+  const SpanRule fitted = rule;
   part_.open(touched);
   part_.to_box(rule.points, rule.weights);
   reducer_.attach(part_.interior());
@@ -108,6 +109,8 @@ void SpanReducer::reduce(std::size_t touched, SpanRule& rule) {
   }
   rule.residual = part_.residual(rule.points, rule.weights);
   part_.to_spans(rule.points, rule.weights);
+  // In a sliver far thinner than a span positions have few digits left, and with them the moments: its rule stays.
+  if (!(rule.residual <= tolerance_)) rule = fitted;
 }
 
 // Product rules have few points as they are; the bound may ask for more.

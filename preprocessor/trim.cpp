@@ -3,6 +3,7 @@
 // row; no face of a span needs closing. Everything is relative to the span's corner, where differences are exact.
 #include "preprocessor/trim.hpp"
 
+#include "format/model/model_check.hpp"
 #include "format/model/span_state.hpp"
 #include "format/model/vec3.hpp"
 
@@ -132,6 +133,9 @@ Trimming trim(const SplineGrid& grid, const TriangleMesh& mesh, const TrimOption
   const SurfacePieces& pieces = out.pieces;
   const Index3 n = grid.spans();
   const double span_volume = grid.span_volume();
+  // A cut that is shallower than positions are known to is none, whatever was asked for.
+  const Point3 rounding = detail::parameter_rounding(grid);
+  const double sliver_depth = std::max({options.sliver_tolerance, rounding[0], rounding[1], rounding[2]});
   const std::vector<Row> rows = find_rows(pieces, n[0]);
   out.state.assign(static_cast<std::size_t>(grid.num_spans()), static_cast<std::uint8_t>(SpanState::Exterior));
   out.touched_fraction.resize(pieces.spans.size());
@@ -168,8 +172,7 @@ Trimming trim(const SplineGrid& grid, const TriangleMesh& mesh, const TrimOption
       next = span;
       const Index3 ijk = grid.span_index(span);
       const Point3 corner{static_cast<double>(ijk[0]), static_cast<double>(ijk[1]), static_cast<double>(ijk[2])};
-      const OwnMoments m =
-          own_moments(pieces, pieces.offsets[t], pieces.offsets[t + 1], corner, options.sliver_tolerance);
+      const OwnMoments m = own_moments(pieces, pieces.offsets[t], pieces.offsets[t + 1], corner, sliver_depth);
       const double raw = m.volume[0] + right;
       right += m.area[0];
       note_leak(span, std::max(-raw, raw - 1));

@@ -9,8 +9,10 @@
 namespace iga::prep {
 
 struct TrimOptions {
-  double sliver_tolerance = 2e-5; ///< depth, in spans: a cut that stays this close to the span's faces is snapped
-  double min_fraction = 0;        ///< trimmed spans with a smaller fraction are dropped (counted, volume recorded)
+  /// Depth, in spans: a cut that stays this close to the span's faces is snapped. Never below the rounding of
+  /// positions.
+  double sliver_tolerance = 2e-5;
+  double min_fraction = 0; ///< trimmed spans with a smaller fraction are dropped (counted, volume recorded)
 };
 
 /// A row of spans along one axis in which the crossings do not cancel: the surface leaks there.

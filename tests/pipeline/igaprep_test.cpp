@@ -180,6 +180,22 @@ TEST_F(Igaprep, RefusesAWallWithoutMaterialAndWrapsIt) {
   EXPECT_NE(r.at("warnings.0").find("filled"), std::string::npos);
 }
 
+// Skins of a span's depth times 0.37e-k over faces in grid planes: whatever their depth and the sliver tolerance, the
+// model holds them, or takes them for rounding.
+TEST_F(Igaprep, SkinsOfAnyDepthAreHeldWithoutASliverTolerance) {
+  for (int k = 4; k <= 17; ++k) {
+    const double d = 0.37 * std::pow(10.0, -k);
+    write_bytes(folder / "skin.stl", ascii_stl(box_mesh({-d, 0, 0}, {4 + d, 3 + d, 3})));
+    for (const char* degree : {"1", "2", "3"})
+      for (const char* tolerance : {"0", "1e-16", "1e-9"}) {
+        const auto r = json({"skin.stl", "-o", "a.h5", "--force", "--box", "-2", "-2", "-2", "6", "5", "5", "--spans",
+                             "8", "7", "7", "--degree", degree, "--sliver-tolerance", tolerance});
+        EXPECT_NEAR(number(r, "volume"), (4 + 2 * d) * (3 + d) * 3, 3e-8) << d << " " << degree << " " << tolerance;
+        EXPECT_LE(number(r, "max_residual"), 1e-10);
+      }
+  }
+}
+
 TEST_F(Igaprep, QuietPrintsNothingOnSuccess) {
   const ProgramRun done = run({"cube.stl", "--span-size", "20", "--quiet"});
   EXPECT_EQ(done.exit_code, 0);
