@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace iga::prep {
 
@@ -14,6 +15,12 @@ constexpr double snapped_share = 1e-3;
 
 std::string text(const Point3& p) {
   return fmt::format("({:.6g}, {:.6g}, {:.6g})", p[0], p[1], p[2]);
+}
+
+// To three digits, so that what is advised is never too large.
+double rounded_down(double value) {
+  const double unit = std::pow(10, std::floor(std::log10(value)) - 2);
+  return std::floor(value / unit * (1 + 1e-12)) * unit;
 }
 
 // Position of a span's centre.
@@ -34,10 +41,23 @@ std::string leak_list(const SplineGrid& grid, const Trimming& trimming) {
   return list;
 }
 
+// The next step for a surface that bounds no solid.
+std::string next_step(const SurfaceTreatment& treatment) {
+  if (treatment.wrapped)
+    return "The surface has been wrapped already: choose another span size or --wrap-alpha, or mend the part where it "
+           "was "
+           "made.";
+  if (treatment.repair)
+    return "--repair did not mend this. Mend the part where it was made; as the last resort --wrap makes a closed "
+           "surface "
+           "around everything, which only approximates the part.";
+  return "Mend it with --repair: it closes holes, drops free sheets and keeps what is enclosed at least once.";
+}
+
 // Leaks are the user's choice under --accept-leaks and an error otherwise.
 void refuse_or_warn(bool accept, std::vector<std::string>& warnings, const std::string& finding,
-                    const std::string& advice) {
-  if (!accept) throw SurfaceFault(finding + "\n" + advice);
+                    const SurfaceTreatment& treatment) {
+  if (!accept) throw SurfaceFault(finding + "\n" + next_step(treatment));
   warnings.push_back(finding + "\naccepted as asked (--accept-leaks): volumes near these places are not exact");
 }
 
@@ -48,22 +68,21 @@ bool leaks(const Trimming& trimming) {
 } // namespace
 
 std::vector<std::string> judge_trimming(const SplineGrid& grid, const Trimming& trimming, double mesh_volume,
-                                        bool accept_leaks) {
+                                        const SurfaceTreatment& treatment) {
   std::vector<std::string> warnings;
   if (leaks(trimming))
     refuse_or_warn(
-        accept_leaks, warnings,
+        treatment.accept_leaks, warnings,
         fmt::format("the surface leaks in {} row(s) of spans:{}", trimming.num_leaks, leak_list(grid, trimming)),
-        "Mend it with --repair (fills holes, removes self-intersections) or, as the last resort, --wrap; "
-        "--accept-leaks goes on with it as it is.");
+        treatment);
   const double difference = std::abs(trimming.exact_volume - mesh_volume);
   if (!(difference <= volume_tolerance * std::abs(mesh_volume)))
     refuse_or_warn(
-        accept_leaks, warnings,
+        treatment.accept_leaks, warnings,
         fmt::format("the spans hold the volume {:.10g}, the surface encloses {:.10g} (relative difference {:.3g}, "
-                    "allowed {:.0e})",
+                    "allowed {:.0e}): it is not closed, or its facets disagree about the outside",
                     trimming.exact_volume, mesh_volume, difference / std::abs(mesh_volume), volume_tolerance),
-        "The surface is not closed or not oriented: mend it with --repair or, as the last resort, --wrap.");
+        treatment);
   if (std::abs(trimming.snapped_volume) > snapped_share * std::abs(mesh_volume))
     throw InputError(
         fmt::format("snapping slivers would change the part's volume by {:.3g} of {:.6g}: the part is thinner "
@@ -77,22 +96,18 @@ std::vector<std::string> judge_trimming(const SplineGrid& grid, const Trimming& 
   return warnings;
 }
 
-std::vector<std::string> judge_winding(const WindingReport& winding, const Trimming& trimming, bool accept_leaks) {
+std::vector<std::string> judge_winding(const WindingReport& winding, const Trimming& trimming,
+                                       const SurfaceTreatment& treatment) {
   std::vector<std::string> warnings;
   if (winding.bad_lines > 0)
     refuse_or_warn(
-        accept_leaks && leaks(trimming), warnings,
+        treatment.accept_leaks && leaks(trimming), warnings,
         fmt::format("the surface does not bound one solid: {} of {} test lines meet a winding number other than 0 "
-                    "or 1 (worst {}, near {}), over a length of {:.3g} in all",
+                    "or 1 (worst {}, near {}), over a length of {:.3g} in all: bodies overlap or the surface crosses "
+                    "itself, and volume would count twice",
                     winding.bad_lines, winding.num_lines, winding.worst_winding, text(winding.where),
                     winding.bad_length),
-        "Bodies overlap, or the surface crosses itself: its volume would count twice. Mend it with --repair "
-        "(union of the bodies) or, as the last resort, --wrap.");
-  if (winding.glued_functions > 0)
-    warnings.push_back(
-        fmt::format("{} function(s) reach across a gap or into two bodies (first near {}): these will act as "
-                    "glued; choose smaller spans or separate files where they must move apart",
-                    winding.glued_functions, text(winding.glued_where)));
+        treatment);
   return warnings;
 }
 
@@ -104,7 +119,54 @@ std::vector<std::string> judge_bodies(const JoinedBodies& joined) {
                       joined.bodies, joined.groups, joined.groups == 1 ? "body" : "bodies")};
 }
 
-void judge_surface_points(const TrimmedModel& model) {
+std::vector<std::string> judge_walls(const ThinWalls& walls, const SplineGrid& grid) {
+  constexpr double edge = 10;            // degrees: faces that lean more towards each other meet in an edge nearby
+  constexpr double little_volume = 1e-3; // of the solid
+  if (!walls.thinnest) return {};
+  const ThinWall& w = *walls.thinnest;
+  if (w.taper > edge && walls.volume_share < little_volume) return {};
+  const std::string found = fmt::format(
+      "walls too thin for their spans hold {:.2g} % of the solid's volume; the thinnest is {:.4g} thick, {:.2g} spans, "
+      "near {}: a wall wants {} spans across its thickness, thinner ones come out too stiff",
+      100 * walls.volume_share, w.thickness, w.spans, text(w.where), spans_across_wall);
+  if (w.taper > edge)
+    return {found +
+            fmt::format("; this one tapers to an edge of {:.0f} degrees, which no span size resolves to its tip: "
+                        "compare the results of two span sizes",
+                        w.taper)};
+  return {found + fmt::format("; spans of at most {:.3g} would do (--span-size; now {:.4g})", rounded_down(w.span_size),
+                              fmt::join(grid.span_size(), " × "))};
+}
+
+std::vector<std::string> judge_gaps(const std::optional<NarrowGap>& gap, const WindingReport& winding,
+                                    const SplineGrid& grid) {
+  constexpr double touching = 1e-3; // spans: no grid resolves such a gap
+  const std::string shared =
+      winding.glued_functions == 0
+          ? ""
+          : fmt::format("{} function{} shared across a gap or by two bodies (first near {})", winding.glued_functions,
+                        winding.glued_functions == 1 ? " is" : "s are", text(winding.glued_where));
+  if (!gap) {
+    if (shared.empty()) return {};
+    return {shared +
+            ": what lies on the two sides moves together there; choose smaller spans, or a file for each body, "
+            "where the sides must move apart"};
+  }
+  const auto p = grid.degree();
+  std::string warning = fmt::format(
+      "the narrowest gap is {:.4g} wide, {:.2g} spans, near {}: functions of degree {} are {} spans long, reach across "
+      "it and tie its two sides together",
+      gap->width, gap->spans, text(gap->where), *std::max_element(p.begin(), p.end()),
+      *std::max_element(p.begin(), p.end()) + 1);
+  if (!shared.empty()) warning += fmt::format(" ({})", shared);
+  if (gap->spans < touching)
+    return {warning + "; it is too narrow for any span size: where the sides must move apart, give each body a file of "
+                      "its own or widen the gap in the part"};
+  return {warning + fmt::format("; spans of at most {:.3g} keep them apart (--span-size; now {:.4g})",
+                                rounded_down(gap->span_size), fmt::join(grid.span_size(), " × "))};
+}
+
+void judge_surface_points(const TrimmedModel& model, const SurfaceTreatment& treatment) {
   if (model.quadrature.dropped_spans > 0 || model.surface.accepted_leak > 0) return;
   const SurfacePoints& points = model.surface.quadrature;
   const TriangleMesh& mesh = model.surface.mesh;
@@ -121,13 +183,14 @@ void judge_surface_points(const TrimmedModel& model) {
     area += points.weights[q];
   }
   if (astray == 0) return;
+  const char* const rest = treatment.wrapped ? "mend the part where it was made"
+                                             : "mend the part where it was made; as the last resort --wrap makes one "
+                                               "closed surface around everything, which only approximates the part";
   throw SurfaceFault(
       fmt::format("the surface has a wall without material: facets of {:.4g} area bound nothing thicker than {:.3g} "
-                  "spans (first one "
-                  "near {})\nRemove the wall from the part (a sheet, or a cavity that touches the outside), or, where "
-                  "it is thin on "
-                  "purpose, choose a smaller --sliver-tolerance; --wrap makes one closed surface around everything.",
-                  area, model.quadrature.sliver_tolerance, text(where)));
+                  "spans (first one near {})\nWhere the wall is thin on purpose, choose a smaller --sliver-tolerance; "
+                  "where it is not (a sheet, or a cavity that touches the outside), {}.",
+                  area, model.quadrature.sliver_tolerance, text(where), rest));
 }
 
 void judge_weights(double point_volume, const QuadratureInfo& info) {
@@ -136,8 +199,8 @@ void judge_weights(double point_volume, const QuadratureInfo& info) {
   const double allowed = std::max(volume_tolerance, info.tolerance);
   if (!(error <= allowed))
     throw InputError(fmt::format("the quadrature weights sum to {:.10g}, expected {:.10g} (surface {:.10g}, snapped "
-                                 "{:+.3g}, dropped {:.3g}): relative difference {:.3g}, allowed {:.0e}\nLower "
-                                 "--tolerance, or mend the surface with --repair.",
+                                 "{:+.3g}, dropped {:.3g}): relative difference {:.3g}, allowed {:.0e}\nChoose a "
+                                 "smaller --tolerance or another span size.",
                                  point_volume, expected, info.part_volume, info.snapped_volume, info.dropped_volume,
                                  error, allowed));
 }

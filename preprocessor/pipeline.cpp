@@ -138,13 +138,13 @@ SplineGrid choose_grid(const Settings& s, const TriangleMesh& mesh, io::Progress
 }
 
 TrimmedRules fit_rules(const QuadratureOptions& options, const SplineGrid& grid, const Trimming& trimming,
-                       bool repaired) {
+                       const PreparedSurface& surface) {
   try {
     return TrimmedRules(grid, trimming, options);
   } catch (const Cancelled&) {
     throw io::Interrupted{};
   } catch (const NumericalError& error) {
-    if (!repaired) throw;
+    if (!surface.shape_changed || surface.wrapped) throw;
     throw NumericalError(fmt::format("{}\nThe surface was repaired: where the repair left walls without thickness or "
                                      "facets on top of each other, --wrap makes a clean surface instead.",
                                      error.what()));
@@ -168,6 +168,7 @@ PrepReport report_standing(const Settings& s, PrepReport report) {
   try {
     const TrimmedModel model = io::read_model(s.output);
     describe_model(report, model);
+    measure_walls_and_gaps(report, model, TriangleTree(model.surface.mesh));
     report.findings = model.provenance.findings;
     report.warnings = model.provenance.warnings;
   } catch (const FormatError& error) {
@@ -201,6 +202,7 @@ PrepReport make_model(const Settings& s, const RunInfo& run, const PreparedSurfa
   append(report.findings, surface.findings);
   append(report.warnings, surface.warnings);
 
+  const SurfaceTreatment treatment{s.surface.repair, surface.wrapped, s.surface.accept_leaks};
   TrimmedModel model;
   model.title = s.title;
   model.length_unit = s.length_unit;
@@ -209,17 +211,16 @@ PrepReport make_model(const Settings& s, const RunInfo& run, const PreparedSurfa
   return_free_memory();
   const double mesh_volume = volume_moments(surface.mesh).volume;
   report.trimming_error = std::abs(trimming.exact_volume - mesh_volume) / std::abs(mesh_volume);
-  append(report.warnings, judge_trimming(model.grid, trimming, mesh_volume, s.surface.accept_leaks));
+  append(report.warnings, judge_trimming(model.grid, trimming, mesh_volume, treatment));
   const WindingReport winding =
       stages.run("winding", [&] { return check_winding(model.grid, surface.mesh, trimming, s.trim.sliver_tolerance); });
-  append(report.warnings, judge_winding(winding, trimming, s.surface.accept_leaks));
+  append(report.warnings, judge_winding(winding, trimming, treatment));
   append(report.warnings, judge_bodies(find_joined_bodies(model.grid, surface.mesh, trimming)));
 
   QuadratureOptions options = s.quadrature;
   options.progress = [&](std::int64_t done, std::int64_t total) { progress.update(done, total); };
   options.cancelled = [] { return io::pending_signal() != 0; };
-  TrimmedRules rules =
-      stages.run("quadrature", [&] { return fit_rules(options, model.grid, trimming, surface.shape_changed); });
+  TrimmedRules rules = stages.run("quadrature", [&] { return fit_rules(options, model.grid, trimming, surface); });
   if (options.trimmed_rule == "minimal") stages.run("reduction", [&] { reduce_rules(rules, options, report); });
   stages.run("rigidity", [&] { rules.secure(options); });
   QuadratureResult quadrature =
@@ -238,11 +239,15 @@ PrepReport make_model(const Settings& s, const RunInfo& run, const PreparedSurfa
   trimming.pieces = {};
   model.surface.accepted_leak = leaks ? trimming.worst_leak : 0;
   model.surface.bodies = surface.bodies;
-  judge_surface_points(model);
+  judge_surface_points(model, treatment);
   model.state = std::move(trimming.state);
   model.active = std::move(trimming.active);
   model.volume_fraction = std::move(trimming.fraction);
 
+  const TriangleTree tree(model.surface.mesh);
+  stages.run("walls", [&] { measure_walls_and_gaps(report, model, tree); });
+  append(report.warnings, judge_walls(report.walls, model.grid));
+  append(report.warnings, judge_gaps(report.narrowest_gap, winding, model.grid));
   stages.run("check", [&] {
     describe_model(report, model);
     judge_weights(report.points_moments.volume, model.quadrature);
@@ -250,7 +255,7 @@ PrepReport make_model(const Settings& s, const RunInfo& run, const PreparedSurfa
       throw std::logic_error(
           fmt::format("the model breaks its own rules, nothing was written: {}", fmt::join(faults, "; ")));
     if (leaks) return;
-    if (const std::string outside = describe(find_points_outside(model), model); !outside.empty())
+    if (const std::string outside = describe(find_points_outside(model, tree), model); !outside.empty())
       throw std::logic_error(fmt::format("a point lies outside the part, nothing was written: {}", outside));
   });
   model.provenance = provenance_of(s, run, input_sha256, report, stages);
@@ -283,12 +288,14 @@ PrepReport run_pipeline(const Settings& s, const RunInfo& run, io::Progress& pro
   ReadMesh read = stages.run("read", [&] { return read_mesh(s.input, s.scale); });
   report.format = read.format;
   const std::string input_sha256 = read.sha256;
+  SurfaceOptions options = s.surface;
+  options.progress = [&](std::int64_t done, std::int64_t total) { progress.update(done, total); };
   if (!s.surface.wrap) {
-    const PreparedSurface surface = stages.run("surface", [&] { return prepare_surface(std::move(read), s.surface); });
+    const PreparedSurface surface = stages.run("surface", [&] { return prepare_surface(std::move(read), options); });
     return make_model(s, run, surface, input_sha256, std::move(report), stages, progress);
   }
   // What only the trimming finds amiss is wrapped too.
-  const PreparedSurface surface = stages.run("surface", [&] { return prepare_surface(read, s.surface); });
+  const PreparedSurface surface = stages.run("surface", [&] { return prepare_surface(read, options); });
   std::string reason;
   try {
     return make_model(s, run, surface, input_sha256, report, stages, progress);
@@ -296,7 +303,7 @@ PrepReport run_pipeline(const Settings& s, const RunInfo& run, io::Progress& pro
     if (surface.wrapped) throw;
     reason = fault.what();
   }
-  const PreparedSurface wrapped = stages.run("wrap", [&] { return wrap_around(std::move(read), s.surface, reason); });
+  const PreparedSurface wrapped = stages.run("wrap", [&] { return wrap_around(std::move(read), options, reason); });
   return make_model(s, run, wrapped, input_sha256, std::move(report), stages, progress);
 }
 

@@ -80,27 +80,28 @@ class Preparation {
       refuse(fmt::format("wrap alpha is {} and offset {}; both must be positive lengths", alpha, offset));
     const double area = surface_area(surface_.mesh);
     surface_.mesh = wrap_surface(surface_.mesh, alpha, offset);
-    if (surface_.mesh.triangles.empty())
-      refuse("no facet has area (the corners of each lie on a line): there is nothing to wrap; export the part again");
     // An open surface whose hole lets the wrap in is wrapped from both sides: twice the area, hardly any volume.
     const double volume = volume_moments(surface_.mesh).volume;
     if (surface_area(surface_.mesh) > 1.5 * area && volume < alpha * area)
       refuse(fmt::format(
-          "wrapping gave only a skin around the facets (volume {:.4g}): a hole is wider than alpha = {:.4g}; "
-          "--repair fills holes, a larger --wrap-alpha bridges them",
-          volume, alpha));
+          "wrapping gave only a skin around the facets (volume {:.4g}): a hole is wider than alpha = {:.4g}; {}a "
+          "--wrap-alpha larger than the hole bridges it",
+          volume, alpha, options_.repair ? "" : "--repair fills holes, "));
     surface_.normals.assign(surface_.mesh.triangles.size(), Point3{});
     found(fmt::format("not usable as it is ({})", reason));
+    out_.shape_changed = out_.wrapped = true;
     judge_closedness();
     judge_shells();
-    out_.shape_changed = out_.wrapped = true;
     found(fmt::format(
         "wrapped: a closed surface around all facets with alpha {:.4g} and offset {:.4g} replaces the surface; "
         "it lies outside by about the offset, bridges gaps below alpha and rounds inner corners; volume {:.8g}",
         alpha, offset, volume));
     warn(fmt::format("the shape was approximated by wrapping, hollows without an opening wider than {:.4g} are filled: "
-                     "compare the volume, {:.8g}, with the part's",
-                     alpha, volume));
+                     "compare the volume, {:.8g}, with the part's{}",
+                     alpha, volume,
+                     options_.repair ? ""
+                                     : "; --repair, which was not tried, changes less (with both, the surface is "
+                                       "wrapped only where --repair fails)"));
     return finish();
   }
 
@@ -114,6 +115,8 @@ class Preparation {
     if (is_point_) refuse("the surface has no extent: all vertices coincide; export the part again");
     if (surface_.mesh.triangles.empty())
       refuse("the surface has no area: every facet has two equal vertices; export the part again");
+    if (!has_area(surface_.mesh))
+      refuse("the surface has no area: the corners of every facet lie on a line; export the part again");
     if (!(size_ >= least_size && size_ <= largest_size))
       refuse(
           fmt::format("the box's diagonal is {:.3g}; lengths from {:.0e} to {:.0e} can be integrated: choose another "
@@ -256,9 +259,11 @@ class Preparation {
                              counted(defects.turned, "edge", "edges"), at(defects.first_turned));
       if (!options_.accept_leaks)
         refuse(fmt::format("{}; {}", text,
-                           options_.repair
-                               ? "--repair could not close it; --wrap makes a closed surface around it"
-                               : "--repair closes holes and gaps, --wrap makes a closed surface around it"));
+                           out_.wrapped ? "wrapping did not close it: mend the part where it was made"
+                           : options_.repair
+                               ? "--repair could not close it; as the last resort --wrap makes a closed surface around "
+                                 "it, which only approximates the part"
+                               : "--repair closes holes and gaps and drops free sheets"));
       warn(text + "; accepted as asked, volumes near it are wrong");
     }
     if (defects.non_manifold > 0)
@@ -357,10 +362,11 @@ class Preparation {
       where += fmt::format(", {} (up to {:.3g} deep, deepest near {})",
                            counted(crossings.pairs, "pair of facets crosses", "pairs of facets cross"), crossings.depth,
                            at(crossings.where));
-    const std::string advice = options_.repair
-                                   ? fmt::format("--repair could not remove this ({}); mend the part where it was made",
-                                                 failure.empty() ? "facets still cross" : failure)
-                                   : "--repair keeps what is enclosed at least once";
+    const std::string advice =
+        options_.repair ? fmt::format("--repair could not remove this ({}); mend the part where it was made, or, "
+                                      "as the last resort, take --wrap, which only approximates the part",
+                                      failure.empty() ? "facets still cross" : failure)
+                        : "--repair keeps what is enclosed at least once";
     if ((!crossings.shells.empty() || !failure.empty()) && !options_.accept_leaks)
       refuse(fmt::format("bodies overlap or share part of their faces: {}; volume would count twice or walls would "
                          "stand without material; {}",
@@ -426,7 +432,11 @@ class Preparation {
     if (!closed_) return "the surface is open";
     const double before = volume_moments(surface_.mesh).volume;
     const std::size_t shells = shells_.count();
-    const Uniting uniting = unite_by_winding(surface_, facets_to_unite(crossings));
+    constexpr std::int64_t steps = 1000;
+    const auto progress = [&](double share) {
+      if (options_.progress) options_.progress(static_cast<std::int64_t>(share * steps), steps);
+    };
+    const Uniting uniting = unite_by_winding(surface_, facets_to_unite(crossings), progress);
     if (!uniting.failure.empty()) return uniting.failure;
     after_rebuild();
     found(

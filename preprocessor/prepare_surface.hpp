@@ -3,6 +3,7 @@
 
 #include "preprocessor/read_mesh.hpp"
 
+#include <functional>
 #include <optional>
 
 namespace iga::prep {
@@ -14,6 +15,7 @@ struct SurfaceOptions {
   std::optional<double> wrap_offset;  ///< length; default: alpha / 30
   std::optional<double> region_angle; ///< degrees; split regions at sharper edges into numbered regions
   bool accept_leaks = false;          ///< keep going with a surface that is not closed
+  std::function<void(std::int64_t done, std::int64_t total)> progress; ///< of a union of bodies; may be empty
 };
 
 struct PreparedSurface {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
 #include <numeric>
 #include <sys/resource.h>
 
@@ -15,6 +16,7 @@ namespace iga::prep {
 namespace {
 
 constexpr double shown_seconds = 0.01; // shorter stages do not matter to the reader
+constexpr std::size_t most_surface_samples = 10000;
 
 std::string text(const Point3& p) {
   return fmt::format("({:.6g}, {:.6g}, {:.6g})", p[0], p[1], p[2]);
@@ -48,6 +50,33 @@ void compare_moments(PrepReport& r) {
   r.inertia_error = 0;
   for (std::size_t e = 0; e < 6; ++e)
     r.inertia_error = std::max(r.inertia_error, std::abs(a.second_moments[e] - b.second_moments[e]) / trace);
+}
+
+// Walls and gaps that the spans are too coarse for; null where there are none.
+void add_walls_and_gaps(io::JsonObject& json, const PrepReport& r) {
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  if (const auto& w = r.walls.thinnest) {
+    io::JsonObject wall;
+    wall.add("thickness", w->thickness);
+    wall.add("spans", w->spans);
+    wall.add("where", w->where);
+    wall.add("taper", w->taper);
+    wall.add("span_size", w->span_size);
+    json.add("thinnest_wall", wall);
+  } else {
+    json.add("thinnest_wall", none);
+  }
+  json.add("thin_wall_volume_share", r.walls.volume_share);
+  if (const auto& gap = r.narrowest_gap) {
+    io::JsonObject narrowest;
+    narrowest.add("width", gap->width);
+    narrowest.add("spans", gap->spans);
+    narrowest.add("where", gap->where);
+    narrowest.add("span_size", gap->span_size);
+    json.add("narrowest_gap", narrowest);
+  } else {
+    json.add("narrowest_gap", none);
+  }
 }
 
 // What only the run knows that made the file.
@@ -119,6 +148,12 @@ void describe_model(PrepReport& r, const TrimmedModel& model) {
   compare_moments(r);
 }
 
+void measure_walls_and_gaps(PrepReport& r, const TrimmedModel& model, const TriangleTree& tree) {
+  const std::vector<SurfaceSample> samples = sample_surface(model, most_surface_samples);
+  r.walls = find_thin_walls(model, tree, samples);
+  r.narrowest_gap = find_narrow_gap(model, tree, samples);
+}
+
 double peak_memory_mib() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -170,6 +205,11 @@ std::string human_report(const PrepReport& r) {
   line("moments", fmt::format("points against surface: centroid {:.1e}, inertia {:.1e}, area {:.1e}", r.centroid_error,
                               r.inertia_error, r.area_error));
   line("functions", fmt::format("{} with material, {} light", r.functions, r.light_functions));
+  if (const auto& w = r.walls.thinnest)
+    line("walls", fmt::format("thinnest {:.4g}, {:.3g} spans, near {}; {:.3g} % of the volume in walls below {} spans",
+                              w->thickness, w->spans, text(w->where), 100 * r.walls.volume_share, spans_across_wall));
+  if (const auto& gap = r.narrowest_gap)
+    line("gaps", fmt::format("narrowest {:.4g}, {:.3g} spans, near {}", gap->width, gap->spans, text(gap->where)));
   if (r.offset)
     line("offset", fmt::format("light functions (estimated) {} → {} by shifting the grid, {} grids tried",
                                r.offset->light_before, r.offset->light_after, r.offset->evaluations));
@@ -216,6 +256,7 @@ std::string json_report(const PrepReport& r) {
   json.add("regions", r.regions);
   json.add("functions", r.functions);
   json.add("light_functions", r.light_functions);
+  add_walls_and_gaps(json, r);
   json.add("findings", r.findings);
   json.add("warnings", r.warnings);
   io::JsonObject grid;

@@ -2,7 +2,9 @@
 #pragma once
 
 #include "format/model/trimmed_model.hpp"
+#include "preprocessor/narrow_gaps.hpp"
 #include "preprocessor/quadrature_options.hpp"
+#include "preprocessor/wall_thickness.hpp"
 
 #include <optional>
 #include <string>
@@ -42,6 +44,8 @@ struct PrepReport {
   QuadratureCounts counts;
   std::int64_t functions = 0, light_functions = 0;
   std::optional<OffsetGain> offset;
+  ThinWalls walls;
+  std::optional<NarrowGap> narrowest_gap;
   std::vector<std::string> findings, warnings;
   std::vector<std::pair<std::string, double>> timings; ///< stage, seconds
   double peak_memory_mib = 0;
@@ -49,6 +53,8 @@ struct PrepReport {
 
 /// Fills in all that the model itself tells: grid, spans, points, volumes and moments, area, functions.
 void describe_model(PrepReport& report, const TrimmedModel& model);
+/// Measures walls and gaps. @param tree  over model.surface.mesh
+void measure_walls_and_gaps(PrepReport& report, const TrimmedModel& model, const TriangleTree& tree);
 /// Highest memory use of this process so far, MiB.
 double peak_memory_mib();
 

@@ -46,7 +46,8 @@ struct Constraints {
 
 class Arranger {
  public:
-  Arranger(const TriangleMesh& mesh, std::span<const std::int32_t> facets) : mesh_(mesh) {
+  Arranger(const TriangleMesh& mesh, std::span<const std::int32_t> facets, const std::function<void(double)>& progress)
+      : mesh_(mesh), progress_(progress) {
     for (std::int32_t f : facets) {
       const auto t = static_cast<Index>(f);
       if (!CGAL::collinear(fast_corner(t, 0), fast_corner(t, 1), fast_corner(t, 2))) facets_.push_back(f);
@@ -62,8 +63,10 @@ class Arranger {
     std::vector<std::vector<Index>> groups(facets_.size());
     for (Index i = 0; i < facets_.size(); ++i)
       groups[static_cast<Index>(find_root(partner_, static_cast<std::int32_t>(i)))].push_back(i);
-    for (const auto& group : groups) {
+    for (Index i = 0; i < groups.size(); ++i) {
+      const auto& group = groups[i];
       if (group.empty()) continue;
+      report(0.5, i, groups.size());
       const bool whole =
           group.size() == 1 && constraints_[group[0]].points.empty() && constraints_[group[0]].segments.empty();
       if (whole)
@@ -75,6 +78,11 @@ class Arranger {
   }
 
  private:
+  // Half of the work is to intersect pairs, half to triangulate.
+  void report(double before, Index done, Index total) const {
+    if (progress_) progress_(before + 0.5 * static_cast<double>(done) / static_cast<double>(total));
+  }
+
   Fast::Point_3 fast_corner(Index t, Index i) const { return fast_point(corner(mesh_, t, i)); }
   Fast::Triangle_3 fast_triangle(Index t) const { return {fast_corner(t, 0), fast_corner(t, 1), fast_corner(t, 2)}; }
 
@@ -133,9 +141,10 @@ class Arranger {
       if (meet_beyond_shared(static_cast<Index>(i), static_cast<Index>(j))) pairs.emplace_back(i, j);
     });
     std::sort(pairs.begin(), pairs.end());
-    for (const auto& [i, j] : pairs) {
+    for (Index k = 0; k < pairs.size(); ++k) {
       io::stop_if_interrupted();
-      intersect(static_cast<Index>(i), static_cast<Index>(j));
+      report(0, k, pairs.size());
+      intersect(static_cast<Index>(pairs[k].first), static_cast<Index>(pairs[k].second));
     }
   }
 
@@ -250,6 +259,7 @@ class Arranger {
   }
 
   const TriangleMesh& mesh_;
+  const std::function<void(double)>& progress_;
   std::vector<std::int32_t> facets_;     ///< those with area
   std::vector<Constraints> constraints_; ///< by facet
   std::vector<std::int32_t> partner_;    ///< facets that overlap in one plane, as disjoint sets
@@ -260,8 +270,9 @@ class Arranger {
 
 } // namespace
 
-Arrangement arrange_facets(const TriangleMesh& mesh, std::span<const std::int32_t> facets) {
-  return Arranger(mesh, facets).run();
+Arrangement arrange_facets(const TriangleMesh& mesh, std::span<const std::int32_t> facets,
+                           const std::function<void(double share)>& progress) {
+  return Arranger(mesh, facets, progress).run();
 }
 
 } // namespace iga::prep

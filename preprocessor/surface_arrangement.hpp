@@ -4,6 +4,7 @@
 #include "preprocessor/surface_topology.hpp"
 
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
+#include <functional>
 
 namespace iga::prep {
 
@@ -19,7 +20,9 @@ struct Arrangement {
 
 /// The arrangement of the listed facets. Facets without area are left out: where they closed a seam, the facets beside
 /// them are cut at their vertices.
+/// @param progress  called with the share that is done, now and then; may be empty
 /// @throws io::Interrupted after Ctrl-C
-Arrangement arrange_facets(const TriangleMesh& mesh, std::span<const std::int32_t> facets);
+Arrangement arrange_facets(const TriangleMesh& mesh, std::span<const std::int32_t> facets,
+                           const std::function<void(double share)>& progress = {});
 
 } // namespace iga::prep

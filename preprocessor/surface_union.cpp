@@ -137,7 +137,7 @@ class Choice {
   }
 
   /// Whether each sheet parts winding number ≤ 0 from ≥ 1; nothing where a winding number cannot be told.
-  std::optional<std::vector<bool>> boundary() {
+  std::optional<std::vector<bool>> boundary(const std::function<void(double)>& progress) {
     std::vector<std::int32_t> largest(sheets_.size(), -1);
     std::vector<double> area(sheets_.size(), -1);
     for (Index s = 0; s < sheets_.size(); ++s) {
@@ -151,6 +151,7 @@ class Choice {
     for (Index s = 0; s < sheets_.size(); ++s) {
       if (largest[s] < 0) continue;
       io::stop_if_interrupted();
+      progress(static_cast<double>(s) / static_cast<double>(sheets_.size()));
       const auto [a, b, c] = corners(static_cast<Index>(largest[s]));
       const auto outside = winding_.outside(CGAL::centroid(a, b, c), CGAL::cross_product(b - a, c - a));
       if (!outside) return std::nullopt;
@@ -184,12 +185,18 @@ class Choice {
 
 } // namespace
 
-Uniting unite_by_winding(Surface& surface, std::span<const std::int32_t> facets) {
+Uniting unite_by_winding(Surface& surface, std::span<const std::int32_t> facets,
+                         const std::function<void(double share)>& progress) {
+  constexpr double cutting = 0.8; // of the time
+  const auto report = [&](double share) {
+    if (progress) progress(share);
+  };
   Uniting out;
-  const Arrangement arranged = arrange_facets(surface.mesh, facets);
+  const Arrangement arranged = arrange_facets(surface.mesh, facets, [&](double share) { report(cutting * share); });
   const std::vector<Sheet> sheets = make_sheets(arranged.triangles);
   const WindingQuery winding(surface.mesh, facets);
-  const std::optional<std::vector<bool>> boundary = Choice(arranged, sheets, winding).boundary();
+  const std::optional<std::vector<bool>> boundary =
+      Choice(arranged, sheets, winding).boundary([&](double share) { report(cutting + (1 - cutting) * share); });
   if (!boundary) {
     out.failure = "the winding number beside a facet cannot be told";
     return out;

@@ -4,6 +4,7 @@
 
 #include "preprocessor/surface_topology.hpp"
 
+#include <functional>
 #include <string>
 
 namespace iga::prep {
@@ -17,7 +18,9 @@ struct Uniting {
 /// exact arithmetic (Zhou, Grinspun, Zorin, Jacobson: Mesh arrangements for solid geometry, 2016). All bodies are taken
 /// in one pass, so the time grows like the number of facets that cross. Facets keep their regions; other facets stay.
 /// @param facets  a closed chain, bodies outwards, cavities inwards
+/// @param progress  called with the share that is done, now and then; may be empty
 /// @throws io::Interrupted after Ctrl-C
-Uniting unite_by_winding(Surface& surface, std::span<const std::int32_t> facets);
+Uniting unite_by_winding(Surface& surface, std::span<const std::int32_t> facets,
+                         const std::function<void(double share)>& progress = {});
 
 } // namespace iga::prep

@@ -6,6 +6,7 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Surface_mesh.h>
 #include <CGAL/alpha_wrap_3.h>
+#include <algorithm>
 #include <cmath>
 
 namespace iga::prep {
@@ -20,6 +21,15 @@ using Primitive = CGAL::AABB_triangle_primitive<Kernel, Facets::const_iterator>;
 using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
 
 } // namespace
+
+bool has_area(const TriangleMesh& mesh) {
+  const auto point = [&](std::int32_t v) {
+    const Point3& x = mesh.vertices[static_cast<Index>(v)];
+    return Kernel::Point_3(x[0], x[1], x[2]);
+  };
+  return std::any_of(mesh.triangles.begin(), mesh.triangles.end(),
+                     [&](const Triangle& t) { return !CGAL::collinear(point(t[0]), point(t[1]), point(t[2])); });
+}
 
 TriangleMesh wrap_surface(const TriangleMesh& mesh, double alpha, double offset) {
   const Box3 box = bounding_box(mesh);
@@ -46,7 +56,6 @@ TriangleMesh wrap_surface(const TriangleMesh& mesh, double alpha, double offset)
   }
   TriangleMesh out;
   out.region_names = mesh.region_names;
-  if (facets.empty()) return out;
   Wrap wrap;
   CGAL::alpha_wrap_3(points, faces, alpha * scale, offset * scale, wrap);
 

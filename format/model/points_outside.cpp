@@ -1,14 +1,15 @@
 #include "format/model/points_outside.hpp"
 
-#include "format/model/triangle_tree.hpp"
-
 #include <algorithm>
 #include <fmt/format.h>
 
 namespace iga {
 
 PointsOutside find_points_outside(const TrimmedModel& model) {
-  const TriangleTree tree(model.surface.mesh);
+  return find_points_outside(model, TriangleTree(model.surface.mesh));
+}
+
+PointsOutside find_points_outside(const TrimmedModel& model, const TriangleTree& tree) {
   const double allowed = surface_depth(model);
   const auto& parameters = model.points.parameters;
   PointsOutside out;

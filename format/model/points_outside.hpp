@@ -1,6 +1,7 @@
 // Quadrature points against the surface of the same model: an independent proof that each lies in the solid.
 #pragma once
 
+#include "format/model/triangle_tree.hpp"
 #include "format/model/trimmed_model.hpp"
 
 #include <string>
@@ -20,6 +21,8 @@ struct PointsOutside {
 /// n log n. Points further outside than the sliver depth and rounding (surface_depth) count. Nothing of what made the
 /// points is used.
 /// @pre check(model) found nothing; no leak was accepted (a surface that leaks has no inside)
+/// @param tree  over model.surface.mesh
+PointsOutside find_points_outside(const TrimmedModel& model, const TriangleTree& tree);
 PointsOutside find_points_outside(const TrimmedModel& model);
 
 /// One sentence; empty where no point lies outside.

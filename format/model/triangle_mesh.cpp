@@ -75,23 +75,38 @@ VolumeMoments volume_moments(const TriangleMesh& mesh) {
   return m;
 }
 
-double distance_to_triangle(const TriangleMesh& mesh, std::size_t t, const Point3& x) {
+Point3 way_to_triangle(const TriangleMesh& mesh, std::size_t t, const Point3& x) {
   const Triangle& triangle = mesh.triangles[t];
   const Point3& origin = corner(mesh, triangle, 0);
   const Point3 n = cross(minus(corner(mesh, triangle, 1), origin), minus(corner(mesh, triangle, 2), origin));
   bool above = true;
-  double nearest = std::numeric_limits<double>::infinity();
+  Point3 nearest{};
+  double least = std::numeric_limits<double>::infinity();
+  const auto take = [&](const Point3& way) {
+    if (const double distance = std::sqrt(dot(way, way)); distance < least) {
+      least = distance;
+      nearest = way;
+    }
+  };
   for (std::size_t i = 0; i < 3; ++i) {
     const Point3& a = corner(mesh, triangle, i);
     const Point3 ab = minus(corner(mesh, triangle, (i + 1) % 3), a), ax = minus(x, a);
     above = above && dot(cross(ab, ax), n) >= 0;
     const double length2 = dot(ab, ab);
     const double along = length2 > 0 ? std::clamp(dot(ax, ab) / length2, 0.0, 1.0) : 0;
-    nearest = std::min(nearest, std::hypot(ax[0] - along * ab[0], ax[1] - along * ab[1], ax[2] - along * ab[2]));
+    take({along * ab[0] - ax[0], along * ab[1] - ax[1], along * ab[2] - ax[2]});
   }
-  const double twice_area = std::sqrt(dot(n, n));
-  if (!above || !(twice_area > 0)) return nearest;
-  return std::min(nearest, std::abs(dot(minus(x, origin), n)) / twice_area);
+  if (const double area = std::sqrt(dot(n, n)); above && area > 0) {
+    const Point3 normal{n[0] / area, n[1] / area, n[2] / area};
+    const double height = dot(minus(x, origin), normal);
+    take({-height * normal[0], -height * normal[1], -height * normal[2]});
+  }
+  return nearest;
+}
+
+double distance_to_triangle(const TriangleMesh& mesh, std::size_t t, const Point3& x) {
+  const Point3 way = way_to_triangle(mesh, t, x);
+  return std::sqrt(dot(way, way));
 }
 
 } // namespace iga

@@ -28,7 +28,10 @@ double surface_area(const TriangleMesh& mesh);
 /// Divergence theorem over the facets, relative to the bounding box's centre (no cancellation far from the origin).
 VolumeMoments volume_moments(const TriangleMesh& mesh);
 
-/// Distance from x to the t-th triangle, length. Right to rounding for needles too, whose normal is mostly rounding.
+/// Shortest way from x to the t-th triangle, length. Right to rounding for needles too, whose normal is mostly
+/// rounding.
+Point3 way_to_triangle(const TriangleMesh& mesh, std::size_t t, const Point3& x);
+/// Length of that way.
 double distance_to_triangle(const TriangleMesh& mesh, std::size_t t, const Point3& x);
 
 } // namespace iga

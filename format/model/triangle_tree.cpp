@@ -113,22 +113,41 @@ bool TriangleTree::meets(const Box3& box, const Point3& from, const Point3& way)
   return enter <= leave + unit;
 }
 
-double TriangleTree::distance(const Point3& x) const {
-  double nearest = std::numeric_limits<double>::infinity();
-  if (!nodes_.empty()) search(0, x, nearest);
-  return nearest;
+bool TriangleTree::overlap(const Box3& a, const Box3& b) {
+  for (std::size_t d = 0; d < 3; ++d)
+    if (a.lower[d] > b.upper[d] || b.lower[d] > a.upper[d]) return false;
+  return true;
 }
 
-void TriangleTree::search(std::size_t node, const Point3& x, double& nearest) const {
+double TriangleTree::distance(const Point3& x) const {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const auto found = nearest(x, infinity);
+  return found ? norm(found->way) : infinity;
+}
+
+std::optional<NearestTriangle> TriangleTree::nearest(const Point3& x, double reach) const {
+  std::optional<NearestTriangle> found;
+  if (!nodes_.empty()) search(0, x, reach, found);
+  return found;
+}
+
+void TriangleTree::search(std::size_t node, const Point3& x, double& reach,
+                          std::optional<NearestTriangle>& nearest) const {
   const Node& n = nodes_[node];
-  if (squared_distance(n.box, x) > nearest * nearest) return;
-  for (std::size_t i = n.first; i < n.last; ++i)
-    nearest = std::min(nearest, distance_to_triangle(*mesh_, static_cast<std::size_t>(items_[i]), x));
+  if (squared_distance(n.box, x) > reach * reach) return;
+  for (std::size_t i = n.first; i < n.last; ++i) {
+    const auto triangle = static_cast<std::size_t>(items_[i]);
+    const Point3 way = way_to_triangle(*mesh_, triangle, x);
+    if (const double distance = norm(way); distance < reach) {
+      reach = distance;
+      nearest = NearestTriangle{triangle, way};
+    }
+  }
   if (n.second == 0) return;
   std::size_t one = node + 1, other = n.second;
   if (squared_distance(nodes_[other].box, x) < squared_distance(nodes_[one].box, x)) std::swap(one, other);
-  search(one, x, nearest);
-  search(other, x, nearest);
+  search(one, x, reach, nearest);
+  search(other, x, reach, nearest);
 }
 
 std::optional<int> TriangleTree::winding_number(const Point3& x) const {

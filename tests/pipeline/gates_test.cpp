@@ -25,6 +25,8 @@ void expect_words(const std::string& message, const std::vector<std::string>& wo
   for (const std::string& word : words) EXPECT_NE(message.find(word), std::string::npos) << word << ": " << message;
 }
 
+const SurfaceTreatment accepted{false, false, true};
+
 struct BoxInGrid : testing::Test {
   TriangleMesh mesh = box_mesh({0, 0, 0}, {1, 0.9, 0.7});
   SplineGrid grid = make_grid(mesh, {}).grid;
@@ -32,29 +34,29 @@ struct BoxInGrid : testing::Test {
 };
 
 TEST_F(BoxInGrid, AClosedSurfacePasses) {
-  EXPECT_TRUE(judge_trimming(grid, trim(grid, mesh, {}), volume, false).empty());
+  EXPECT_TRUE(judge_trimming(grid, trim(grid, mesh, {}), volume, {}).empty());
 }
 
 TEST_F(BoxInGrid, AMissingTriangleIsRefusedWithPlaceAndOption) {
   mesh.triangles.erase(mesh.triangles.begin() + 9); // on the side x = 0
   mesh.region.pop_back();
   const auto trimming = trim(grid, mesh, {});
-  expect_words(refusal([&] { judge_trimming(grid, trimming, volume_moments(mesh).volume, false); }),
-               {"leaks in", "row of span", "--repair", "--wrap", "--accept-leaks"});
-  EXPECT_FALSE(judge_trimming(grid, trimming, volume_moments(mesh).volume, true).empty());
+  expect_words(refusal([&] { judge_trimming(grid, trimming, volume_moments(mesh).volume, {}); }),
+               {"leaks in", "row of span", "--repair"});
+  EXPECT_FALSE(judge_trimming(grid, trimming, volume_moments(mesh).volume, accepted).empty());
 }
 
 TEST_F(BoxInGrid, AWrongVolumeIsRefused) {
   const auto trimming = trim(grid, mesh, {});
-  expect_words(refusal([&] { judge_trimming(grid, trimming, volume * (1 + 1e-8), false); }),
+  expect_words(refusal([&] { judge_trimming(grid, trimming, volume * (1 + 1e-8), {}); }),
                {"the spans hold", "--repair"});
-  EXPECT_NO_THROW(judge_trimming(grid, trimming, volume * (1 + 1e-10), false));
+  EXPECT_NO_THROW(judge_trimming(grid, trimming, volume * (1 + 1e-10), {}));
 }
 
 TEST_F(BoxInGrid, APartWithinTheSliverDepthIsRefused) {
   auto trimming = trim(grid, mesh, {});
   trimming.snapped_volume = -2e-3 * volume;
-  expect_words(refusal([&] { judge_trimming(grid, trimming, volume, true); }),
+  expect_words(refusal([&] { judge_trimming(grid, trimming, volume, accepted); }),
                {"thinner", "--span-size", "--sliver-tolerance"});
 }
 
@@ -64,29 +66,76 @@ TEST_F(BoxInGrid, ADroppedPartIsRefused) {
   grid = make_grid(mesh, options).grid;
   TrimOptions drop;
   drop.min_fraction = 0.5;
-  expect_words(refusal([&] { judge_trimming(grid, trim(grid, mesh, drop), volume, false); }),
+  expect_words(refusal([&] { judge_trimming(grid, trim(grid, mesh, drop), volume, {}); }),
                {"no span", "--min-fraction"});
 }
 
 TEST(JudgeWinding, OverlapsAreRefusedEvenWhereLeaksAreAccepted) {
   WindingReport winding;
   winding.num_lines = 100;
-  EXPECT_TRUE(judge_winding(winding, {}, false).empty());
+  EXPECT_TRUE(judge_winding(winding, {}, {}).empty());
   winding.bad_lines = 3;
   winding.worst_winding = 2;
-  for (const bool accept : {false, true})
-    expect_words(refusal([&] { judge_winding(winding, {}, accept); }), {"3 of 100", "worst 2", "--repair"});
+  for (const SurfaceTreatment& treatment : {SurfaceTreatment{}, accepted})
+    expect_words(refusal([&] { judge_winding(winding, {}, treatment); }), {"3 of 100", "worst 2", "--repair"});
   Trimming leaking;
   leaking.worst_leak = 0.1;
-  EXPECT_EQ(judge_winding(winding, leaking, true).size(), 1U);
+  EXPECT_EQ(judge_winding(winding, leaking, accepted).size(), 1U);
 }
 
-TEST(JudgeWinding, GluedFunctionsAreAWarning) {
+TEST(JudgeWinding, AdvisesTheNextStepAndNeverWhatWasTried) {
   WindingReport winding;
-  winding.glued_functions = 7;
-  const auto warnings = judge_winding(winding, {}, false);
+  winding.num_lines = winding.bad_lines = 1;
+  const auto advice = [&](bool repair, bool wrapped) {
+    return refusal([&] { judge_winding(winding, {}, {repair, wrapped, false}); });
+  };
+  EXPECT_NE(advice(false, false).find("Mend it with --repair"), std::string::npos);
+  EXPECT_EQ(advice(false, false).find("--wrap"), std::string::npos);
+  EXPECT_EQ(advice(true, false).find("with --repair"), std::string::npos);
+  EXPECT_NE(advice(true, false).find("--wrap"), std::string::npos);
+  for (const bool repair : {false, true}) {
+    EXPECT_EQ(advice(repair, true).find("--repair"), std::string::npos);
+    EXPECT_EQ(advice(repair, true).find("--wrap "), std::string::npos);
+  }
+}
+
+const SplineGrid unit_spans({0, 0, 0}, {10, 10, 10}, {10, 10, 10}, {2, 2, 2});
+
+TEST(JudgeGaps, SharedFunctionsAndGapsAreAWarning) {
+  WindingReport winding;
+  EXPECT_TRUE(judge_gaps(std::nullopt, winding, unit_spans).empty());
+  const NarrowGap slot{0.5, 0.5, {1, 2, 3}, 0.5 / 3};
+  auto warnings = judge_gaps(slot, winding, unit_spans);
   ASSERT_EQ(warnings.size(), 1U);
-  expect_words(warnings[0], {"7 function(s)", "glued"});
+  expect_words(warnings[0], {"0.5 wide", "near (1, 2, 3)", "3 spans long", "at most 0.166 ", "now 1 × 1 × 1"});
+  winding.glued_functions = 7;
+  warnings = judge_gaps(slot, winding, unit_spans);
+  ASSERT_EQ(warnings.size(), 1U);
+  expect_words(warnings[0], {"0.5 wide", "7 functions are shared"});
+  warnings = judge_gaps(std::nullopt, winding, unit_spans);
+  ASSERT_EQ(warnings.size(), 1U);
+  expect_words(warnings[0], {"7 functions are shared across a gap", "smaller spans"});
+  // What no grid resolves is not answered with a span size.
+  warnings = judge_gaps(NarrowGap{1e-5, 1e-5, {}, 3e-6}, winding, unit_spans);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_EQ(warnings[0].find("--span-size"), std::string::npos);
+}
+
+TEST(JudgeWalls, NamesTheSpanSizeThatWouldDo) {
+  EXPECT_TRUE(judge_walls({}, unit_spans).empty());
+  const auto warnings = judge_walls({ThinWall{0.4, 0.4, {1, 2, 3}, 0, 0.2}, 0.25}, unit_spans);
+  ASSERT_EQ(warnings.size(), 1U);
+  expect_words(warnings[0],
+               {"25 % of the solid's volume", "0.4 thick, 0.4 spans, near (1, 2, 3)", "at most 0.2 ", "now 1 × 1 × 1"});
+}
+
+TEST(JudgeWalls, AnEdgeThatTapersOutGetsNoSpanSize) {
+  const ThinWall edge{0.1, 0.1, {}, 20, 0.05};
+  EXPECT_TRUE(judge_walls({edge, 1e-4}, unit_spans).empty());
+  const auto warnings = judge_walls({edge, 0.05}, unit_spans);
+  ASSERT_EQ(warnings.size(), 1U);
+  expect_words(warnings[0], {"edge of 20 degrees", "two span sizes"});
+  EXPECT_EQ(warnings[0].find("at most"), std::string::npos);
 }
 
 TEST(JudgeWeights, CountsSnappedAndDroppedVolume) {

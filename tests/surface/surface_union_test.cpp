@@ -157,6 +157,51 @@ TEST(SurfaceUnion, NeverAdvisesWhatWasJustTried) {
   EXPECT_EQ(refusal(sheets, options).find("; --wrap"), std::string::npos);
 }
 
+// Wrapping keeps a stray sheet as a fin and rounds the body: it is advised only where a repair has failed.
+TEST(SurfaceUnion, AdvisesRepairsBeforeWrapping) {
+  const Soup stray = cube + Soup{{{{2, 0, 0}, {3, 0, 0}, {2, 1, 0}}}};
+  EXPECT_NE(refusal(stray, {}).find("--repair"), std::string::npos);
+  EXPECT_EQ(refusal(stray, {}).find("--wrap"), std::string::npos);
+  EXPECT_DOUBLE_EQ(volume(repaired(stray)), 1);
+  EXPECT_EQ(refusal(cube + moved(cube, 1, {0.5, 0.5, 0.5}), {}).find("--wrap"), std::string::npos);
+  // What no option mends is answered with none.
+  const std::string line = refusal({{{{0, 0, 0}, {1, 0, 0}, {0.5, 0, 0}}}}, {});
+  EXPECT_NE(line.find("lie on a line"), std::string::npos) << line;
+  EXPECT_EQ(line.find("--"), std::string::npos) << line;
+}
+
+TEST(SurfaceUnion, ShowsItsProgress) {
+  std::vector<std::int64_t> done;
+  SurfaceOptions options;
+  options.repair = true;
+  options.progress = [&](std::int64_t now, std::int64_t total) {
+    EXPECT_LE(now, total);
+    done.push_back(now);
+  };
+  prepare_surface(as_read(cube + moved(cube, 1, {0.5, 0.5, 0.5}) + moved(cube, 1, {-0.3, 0.4, 0.2})), options);
+  EXPECT_GT(done.size(), 10U);
+  EXPECT_TRUE(std::is_sorted(done.begin(), done.end()));
+  EXPECT_LT(done.front(), 100);
+  EXPECT_GT(done.back(), 900);
+}
+
+// Boxes in boxes, each outwards: walls inside the outermost one go, however many there are.
+TEST(SurfaceUnion, DropsSeveralNestedInnerWalls) {
+  Soup nested = moved(cube, 10, {0, 0, 0});
+  for (const double wall : {1.0, 2.0, 3.0, 4.0}) nested = nested + moved(cube, 10 - 2 * wall, {wall, wall, wall});
+  const PreparedSurface one = repaired(nested);
+  EXPECT_DOUBLE_EQ(volume(one), 1000);
+  EXPECT_EQ(one.bodies, 1);
+  EXPECT_EQ(one.cavities, 0);
+  // A cavity within the outermost one, with a body that holds another body in it.
+  const Soup hollow = moved(cube, 10, {0, 0, 0}) + turned(moved(cube, 8, {1, 1, 1})) + moved(cube, 4, {3, 3, 3}) +
+                      moved(cube, 2, {4, 4, 4});
+  const PreparedSurface two = repaired(hollow);
+  EXPECT_NEAR(volume(two), 1000 - 512 + 64, 1e-9);
+  EXPECT_EQ(two.bodies, 2);
+  EXPECT_EQ(two.cavities, 1);
+}
+
 TEST(SurfaceWrap, RefusesFacetsOnALineOrPoint) {
   SurfaceOptions options;
   options.wrap = true;
