@@ -126,7 +126,7 @@ std::vector<std::string> judge_walls(const ThinWalls& walls, const SplineGrid& g
   const ThinWall& w = *walls.thinnest;
   if (w.taper > edge && walls.volume_share < little_volume) return {};
   const std::string found = fmt::format(
-      "walls too thin for their spans hold {:.2g} % of the solid's volume; the thinnest is {:.4g} thick, {:.2g} spans, "
+      "walls too thin for their spans hold {:.3g} % of the solid's volume; the thinnest is {:.4g} thick, {:.2g} spans, "
       "near {}: a wall wants {} spans across its thickness, thinner ones come out too stiff",
       100 * walls.volume_share, w.thickness, w.spans, text(w.where), spans_across_wall);
   if (w.taper > edge)
@@ -142,10 +142,10 @@ std::vector<std::string> judge_gaps(const std::optional<NarrowGap>& gap, const W
                                     const SplineGrid& grid) {
   constexpr double touching = 1e-3; // spans: no grid resolves such a gap
   const std::string shared =
-      winding.glued_functions == 0
+      winding.shared_functions == 0
           ? ""
-          : fmt::format("{} function{} shared across a gap or by two bodies (first near {})", winding.glued_functions,
-                        winding.glued_functions == 1 ? " is" : "s are", text(winding.glued_where));
+          : fmt::format("{} function{} shared across a gap or by two bodies (first near {})", winding.shared_functions,
+                        winding.shared_functions == 1 ? " is" : "s are", text(winding.shared_where));
   if (!gap) {
     if (shared.empty()) return {};
     return {shared +

@@ -1,8 +1,8 @@
 #include "preprocessor/line_winding.hpp"
 
-#include "preprocessor/glued_functions.hpp"
 #include "preprocessor/lattice_nodes.hpp"
 #include "preprocessor/line_lattice.hpp"
+#include "preprocessor/shared_functions.hpp"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -245,9 +245,9 @@ WindingReport check_winding(const SplineGrid& grid, const TriangleMesh& mesh, co
   BadStretch worst;
   for (std::size_t axis = 0; axis < 3; ++axis)
     AxisPass(grid, mesh, xi, trimming.pieces, lattice, sliver_tolerance, axis, nodes).run(report, worst);
-  const GluedFunctions glued = find_glued_functions(grid, trimming.pieces, trimming.state, nodes);
-  report.glued_functions = glued.count;
-  if (glued.count > 0) report.glued_where = grid.control_point(grid.function_index(glued.first));
+  const SharedFunctions shared = find_shared_functions(grid, trimming.pieces, trimming.state, nodes);
+  report.shared_functions = shared.count;
+  if (shared.count > 0) report.shared_where = grid.control_point(grid.function_index(shared.first));
   return report;
 }
 

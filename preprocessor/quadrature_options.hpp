@@ -48,7 +48,7 @@ struct QuadratureCounts {
   std::int64_t refined_spans = 0;  ///< fitted spans that needed more than the first set of candidates
   std::int64_t kept_spans = 0;     ///< spans that keep their fitted rule because the reduction was interrupted
   ReductionCounts reduction;
-  std::int64_t secured_spans = 0; ///< got a rule with more points, lest the part has a mechanism
+  std::int64_t stabilised_spans = 0; ///< got a rule with more points, lest the part has a mechanism
 };
 
 } // namespace iga::prep

@@ -94,7 +94,7 @@ void add_run(io::JsonObject& json, const PrepReport& r) {
   json.add("removed_by_bounded_descent", r.counts.reduction.bounded);
   json.add("stalled_spans", r.counts.reduction.stalls);
   json.add("unreduced_spans", r.counts.reduction.unchanged);
-  json.add("stabilised_spans", r.counts.secured_spans);
+  json.add("stabilised_spans", r.counts.stabilised_spans);
   json.add("kept_spans", r.counts.kept_spans);
   if (r.offset) {
     io::JsonObject offset;
@@ -198,7 +198,7 @@ std::string human_report(const PrepReport& r) {
     line("fewer",
          fmt::format("{}: {:.3g} points per trimmed span, {} removed; {} got extra points against zero-energy modes",
                      r.quadrature.trimmed_rule, static_cast<double>(r.points_trimmed) / static_cast<double>(r.trimmed),
-                     reduction.newton + reduction.bounded, count(r.counts.secured_spans, "span", "spans")));
+                     reduction.newton + reduction.bounded, count(r.counts.stabilised_spans, "span", "spans")));
   line("residual", fmt::format("{:.2e} at most (allowed {:.0e})", r.quadrature.max_residual, r.quadrature.tolerance));
   line("volume", fmt::format("{:.10g}, surface {:.10g}: trimming off by {:.1e}, points by {:.1e}",
                              r.points_moments.volume, r.surface.volume, r.trimming_error, r.volume_error));

@@ -240,7 +240,7 @@ void TrimmedRules::secure(const QuadratureOptions& options) {
       }
   });
   replace(rules);
-  counts_.secured_spans = static_cast<std::int64_t>(rules.size());
+  counts_.stabilised_spans = static_cast<std::int64_t>(rules.size());
 }
 
 } // namespace iga::prep

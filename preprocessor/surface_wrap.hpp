@@ -1,4 +1,4 @@
-// The last resort for a hopeless surface: a closed one around it.
+// The last resort for a surface that no repair closes: a closed one around it.
 #pragma once
 
 #include "preprocessor/surface_topology.hpp"

@@ -108,7 +108,7 @@ TEST(JudgeGaps, SharedFunctionsAndGapsAreAWarning) {
   auto warnings = judge_gaps(slot, winding, unit_spans);
   ASSERT_EQ(warnings.size(), 1U);
   expect_words(warnings[0], {"0.5 wide", "near (1, 2, 3)", "3 spans long", "at most 0.166 ", "now 1 × 1 × 1"});
-  winding.glued_functions = 7;
+  winding.shared_functions = 7;
   warnings = judge_gaps(slot, winding, unit_spans);
   ASSERT_EQ(warnings.size(), 1U);
   expect_words(warnings[0], {"0.5 wide", "7 functions are shared"});

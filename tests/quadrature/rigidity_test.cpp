@@ -53,7 +53,7 @@ std::int64_t secured(const TriangleMesh& mesh, std::int64_t spans, int degree, b
   TrimmedRules rules(grid, trimming, options);
   if (reduce) rules.reduce(options);
   rules.secure(options);
-  return rules.counts().secured_spans;
+  return rules.counts().stabilised_spans;
 }
 
 TEST(SecureRules, LeavesSolidPartsAlone) {

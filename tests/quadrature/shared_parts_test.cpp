@@ -140,12 +140,12 @@ TEST_P(MinimalRuleOfSharedPart, HasFewPointsAllInside) {
   const double average = static_cast<double>(points) / static_cast<double>(spans);
   const double moments = std::pow(c.degree + 1, 3);
   // Spans with more points for rigidity, in parts a span or two thick, have up to as many as there are moments.
-  const double secured = static_cast<double>(result.counts.secured_spans) / static_cast<double>(spans);
+  const double secured = static_cast<double>(result.counts.stabilised_spans) / static_cast<double>(spans);
   const double most = (1 - secured) * (c.degree == 2 ? 13 : 31) + secured * moments;
   // In a sheet far thinner than a span points have two directions to move in, and short ways to go.
   const bool sheet = 2 * trimming.exact_volume / surface_area(mesh) < 0.01 * grid.span_size()[0];
   EXPECT_LT(average, sheet ? moments : most)
-      << spans << " trimmed spans, " << result.counts.secured_spans << " secured";
+      << spans << " trimmed spans, " << result.counts.stabilised_spans << " secured";
 }
 
 std::vector<Case> all_parts(int degree, int spans) {

@@ -1,6 +1,6 @@
 // A function's support is a block of spans, so its connected sets of nodes follow from those of the spans and a few
 // dozen links between them.
-#include "preprocessor/glued_functions.hpp"
+#include "preprocessor/shared_functions.hpp"
 
 #include "format/model/span_state.hpp"
 #include "preprocessor/node_sets.hpp"
@@ -57,7 +57,7 @@ class FunctionRow {
               const NodeSets& graph, const std::vector<std::int64_t>& row_first, std::int32_t nodes_per_span)
       : grid_(grid), pieces_(pieces), state_(state), graph_(graph), row_first_(row_first), volume_(nodes_per_span) {}
 
-  GluedFunctions judge(std::int64_t j, std::int64_t k) {
+  SharedFunctions judge(std::int64_t j, std::int64_t k) {
     const Index3 n = grid_.spans();
     const auto p = grid_.degree();
     low_ = {0, std::max<std::int64_t>(j - p[1], 0), std::max<std::int64_t>(k - p[2], 0)};
@@ -68,7 +68,7 @@ class FunctionRow {
         const auto row = static_cast<std::size_t>(b + n[1] * c);
         cursor_.push_back({row_first_[row], row_first_[row + 1], grid_.span_number({0, b, c})});
       }
-    GluedFunctions out;
+    SharedFunctions out;
     for (std::int64_t i = 0; i < n[0] + p[0];) {
       low_[0] = std::max<std::int64_t>(i - p[0], 0);
       high_[0] = std::min(i, n[0] - 1);
@@ -78,7 +78,7 @@ class FunctionRow {
         i = next;
         continue;
       }
-      if (glued()) {
+      if (is_shared()) {
         if (out.count++ == 0) out.first = grid_.function_number({i, j, k});
       }
       ++i;
@@ -104,7 +104,7 @@ class FunctionRow {
     return next;
   }
 
-  bool glued() {
+  bool is_shared() {
     collect_sets();
     if (sets_.parent.size() < 2) return false;
     join_links();
@@ -177,8 +177,8 @@ class FunctionRow {
 
 } // namespace
 
-GluedFunctions find_glued_functions(const SplineGrid& grid, const SurfacePieces& pieces,
-                                    const std::vector<std::uint8_t>& state, const LatticeNodes& nodes) {
+SharedFunctions find_shared_functions(const SplineGrid& grid, const SurfacePieces& pieces,
+                                      const std::vector<std::uint8_t>& state, const LatticeNodes& nodes) {
   const NodeSets graph = build_node_sets(grid, pieces, state, nodes);
   const Index3 n = grid.spans(), functions = grid.functions();
   std::vector<std::int64_t> row_first(static_cast<std::size_t>(n[1] * n[2]) + 1, 0); // touched spans of row (j, k)
@@ -186,14 +186,14 @@ GluedFunctions find_glued_functions(const SplineGrid& grid, const SurfacePieces&
   std::partial_sum(row_first.begin(), row_first.end(), row_first.begin());
 
   const auto num_rows = static_cast<std::size_t>(functions[1] * functions[2]);
-  std::vector<GluedFunctions> rows(num_rows);
+  std::vector<SharedFunctions> rows(num_rows);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, num_rows, 16), [&](const auto& range) {
     FunctionRow row(grid, pieces, state, graph, row_first, static_cast<std::int32_t>(nodes.nodes_per_span()));
     for (std::size_t r = range.begin(); r != range.end(); ++r)
       rows[r] = row.judge(static_cast<std::int64_t>(r) % functions[1], static_cast<std::int64_t>(r) / functions[1]);
   });
-  GluedFunctions out;
-  for (const GluedFunctions& row : rows) {
+  SharedFunctions out;
+  for (const SharedFunctions& row : rows) {
     if (out.count == 0) out.first = row.first;
     out.count += row.count;
   }

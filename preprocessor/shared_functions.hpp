@@ -1,4 +1,4 @@
-// Functions that act across a gap: two bodies, or two walls, that share a function move as if they were glued together.
+// Functions shared across a gap: two bodies, or two walls, that share a function move together.
 #pragma once
 
 #include "preprocessor/clip.hpp"
@@ -10,8 +10,8 @@
 namespace iga::prep {
 
 /// Functions whose support holds material that is not connected inside that support: two bodies, or two walls across a
-/// gap, which share the function and act as glued together.
-struct GluedFunctions {
+/// gap, which share the function and so move together.
+struct SharedFunctions {
   std::int64_t count = 0;
   std::int64_t first = -1; ///< linear number of the first of them
 };
@@ -20,7 +20,7 @@ struct GluedFunctions {
 /// ones may be the tip of an edge; walls thinner than the lattice spacing, 1 / (max degree + 2) of a span, do not count
 /// at all, because the lattice cannot follow them: a gap between two such walls goes unseen.
 /// @param state  (num_spans) of the trimming; decides the spans without surface
-GluedFunctions find_glued_functions(const SplineGrid& grid, const SurfacePieces& pieces,
-                                    const std::vector<std::uint8_t>& state, const LatticeNodes& nodes);
+SharedFunctions find_shared_functions(const SplineGrid& grid, const SurfacePieces& pieces,
+                                      const std::vector<std::uint8_t>& state, const LatticeNodes& nodes);
 
 } // namespace iga::prep
