@@ -17,17 +17,26 @@ void expect_inside(std::uint64_t seed, const std::string& rule) {
   EXPECT_LE(found.volume_error, 1e-9) << solid.name;
 }
 
+#ifdef __SANITIZE_ADDRESS__
+constexpr bool is_sanitized = true; // thirty times slower
+#else
+constexpr bool is_sanitized = false;
+#endif
+
 // Seeds on which lines that graze thin walls once gave candidates outside.
 TEST(PointsInside, WallsThatLinesGraze) {
-  for (const std::uint64_t seed : {19, 24, 57}) expect_inside(seed, "nnls");
-  for (const std::uint64_t seed : {24, 57}) expect_inside(seed, "minimal");
+  for (const std::uint64_t seed : {19, 24, 57}) {
+    if (is_sanitized && random_solid(seed).degree > 2) continue;
+    expect_inside(seed, "nnls");
+    if (seed != 19 && !is_sanitized) expect_inside(seed, "minimal");
+  }
 }
 
 TEST(PointsInside, RandomTubesPlatesAndShells) {
-  for (std::uint64_t seed = 1000; seed < 1024; ++seed) {
+  for (std::uint64_t seed = 1000; seed < (is_sanitized ? 1008 : 1024); ++seed) {
     const int degree = random_solid(seed).degree;
-    if (degree <= 3) expect_inside(seed, "nnls");
-    if (degree <= 2) expect_inside(seed, "minimal");
+    if (degree <= (is_sanitized ? 2 : 3)) expect_inside(seed, "nnls");
+    if (degree <= (is_sanitized ? 1 : 2)) expect_inside(seed, "minimal");
   }
 }
 

@@ -24,8 +24,8 @@ struct CrushingEnergy {
   }
 };
 
-/// s = 1 / |F^-1| = J / |cof F| (Frobenius norms) of a column that is compressed to the volume ratio J: 0.577 at rest, J
-/// where that is small.
+/// s = 1 / |F^-1| = J / |cof F| (Frobenius norms) of a column that is compressed to the volume ratio J: 0.577 at rest,
+/// J where that is small.
 inline double column_stretch(double J) {
   return J / std::sqrt(1 + 2 * J * J);
 }
