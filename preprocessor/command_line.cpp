@@ -3,6 +3,7 @@
 #include "format/io/command_line.hpp"
 #include "format/model/errors.hpp"
 #include "format/model/version.hpp"
+#include "preprocessor/settings_table.hpp"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -10,6 +11,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <map>
+#include <type_traits>
 
 namespace iga::prep {
 
@@ -24,33 +26,15 @@ const char* const examples = R"(Examples:
   igaprep prep.toml --span-size 5 --force                settings from a file, flags override them
 
 One number for --spans counts along the longest side, with cubic spans; one for --degree, --span-size or --moment-degree
-holds in all directions. The settings file uses the flags' names with underscores: input, output, scale, length_unit,
-title; [surface] repair, wrap, wrap_alpha, wrap_offset, region_angle, accept_leaks; [grid] box, spans, span_size, degree,
-margin, rotation, rotate_axis_angle, optimise_offset; [trim] sliver_tolerance, min_fraction; [quadrature] interior
-(--quadrature), trimmed, moment_degree, tolerance, rank_bound. Paths in it are relative to its folder.
+holds in all directions. The settings file uses the flags' names with underscores, in these tables; paths in it are relative
+to its folder.
+)";
 
+const char* const exit_codes = R"(
 Exit codes: 0 done, 1 fault of the program, 2 input, usage or file access, 3 a file breaks the schema, 4 a method did not
 reach its tolerance, 129, 130, 131 and 143 interrupted by SIGHUP, SIGINT, SIGQUIT and SIGTERM: no file is changed, unless
 the points were being reduced (--trimmed minimal); then the file is written with the rules there are. 141: nobody reads
 the report any more. Too little memory is exit code 2 and says so.)";
-
-// Numbers that follow these flags are joined by commas to one word: a file name may then follow a list of open length,
-// and a negative number is not taken for a flag.
-const std::map<std::string, std::size_t> most_values{{"--degree", 3},
-                                                     {"--span-size", 3},
-                                                     {"--spans", 3},
-                                                     {"--moment-degree", 3},
-                                                     {"--box", 6},
-                                                     {"--rotation", 9},
-                                                     {"--rotate-axis-angle", 4},
-                                                     {"--scale", 1},
-                                                     {"--margin", 1},
-                                                     {"--wrap-alpha", 1},
-                                                     {"--wrap-offset", 1},
-                                                     {"--region-angle", 1},
-                                                     {"--sliver-tolerance", 1},
-                                                     {"--min-fraction", 1},
-                                                     {"--tolerance", 1}};
 
 template <class T> std::optional<T> parsed(std::string_view text) {
   T value{};
@@ -65,12 +49,27 @@ bool is_value(const std::string& text) {
   return comma != std::string::npos && is_value(text.substr(0, comma)) && is_value(text.substr(comma + 1));
 }
 
+template <class T>
+constexpr bool holds_numbers =
+    !std::is_same_v<T, bool> && !std::is_same_v<T, std::string> && !std::is_same_v<T, std::filesystem::path>;
+
+// Numbers that follow a flag are joined by commas to one word: a file name may then follow a list of open length, and a
+// negative number is not taken for a flag.
+std::map<std::string, std::size_t> most_values() {
+  std::map<std::string, std::size_t> most;
+  each_setting([&]<class T>(const Setting<T>& setting) {
+    if (holds_numbers<T>) most[setting.flags()] = setting.length.count;
+  });
+  return most;
+}
+
 std::vector<std::string> join_values(int argc, const char* const* argv) {
+  const std::map<std::string, std::size_t> most = most_values();
   std::vector<std::string> out;
   for (int i = 1; i < argc; ++i) {
     out.emplace_back(argv[i]);
-    const auto flag = most_values.find(out.back());
-    if (flag == most_values.end()) continue;
+    const auto flag = most.find(out.back());
+    if (flag == most.end()) continue;
     std::vector<std::string> values;
     while (i + 1 < argc && values.size() < flag->second && is_value(argv[i + 1])) values.emplace_back(argv[++i]);
     if (!values.empty()) out.back() += fmt::format("={}", fmt::join(values, ","));
@@ -79,7 +78,7 @@ std::vector<std::string> join_values(int argc, const char* const* argv) {
 }
 
 // "1,2,3" → numbers.
-template <class T> std::vector<T> list_of(const std::string& flag, const std::string& text, const char* kind) {
+template <class T> std::vector<T> list_of(const std::string& flag, const std::string& text, const std::string& kind) {
   std::vector<T> values;
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find(',', begin), text.size());
@@ -92,97 +91,86 @@ template <class T> std::vector<T> list_of(const std::string& flag, const std::st
   return values;
 }
 
-// Where every flag's text lands before it is converted.
+std::string group_of(std::string_view table) {
+  if (table.empty()) return "Files and units";
+  if (table == "surface") return "Surface";
+  return table == "grid" ? "Grid" : "Trimming and quadrature";
+}
+
+// Words that are no option of their own end up in `file`, lists in `lists` under their key until they are converted.
 struct Raw {
-  std::optional<std::string> file, degree, span_size, spans, moment_degree, box, rotation, rotate_axis_angle;
+  std::optional<std::string> file;
+  std::map<std::string, std::optional<std::string>> lists;
 };
+
+CLI::Option* add(CLI::App& app, Raw& raw, const auto& setting, auto& value) {
+  using T = typename std::remove_reference_t<decltype(value)>::value_type;
+  const std::string flags = setting.flags();
+  if constexpr (std::is_same_v<T, bool>)
+    return io::add_switch(app, fmt::format("{},!--no-{}", flags, flags.substr(2)), value, setting.help);
+  else if constexpr (std::is_same_v<T, Numbers> || std::is_same_v<T, Integers> || std::is_same_v<T, WordOrIntegers>)
+    return app.add_option(flags, raw.lists[setting.key], setting.help);
+  else
+    return app.add_option(flags, value, setting.help);
+}
+
+// "input, output …; [surface] repair, …", in lines.
+std::string settings_keys() {
+  std::string text, line, table;
+  each_setting([&](const auto& setting) {
+    std::string word = setting.key;
+    if (setting.flag && setting.flags().find("--" + word) == std::string::npos)
+      word += fmt::format(" ({})", setting.flag);
+    if (table != setting.table) {
+      table = setting.table;
+      text += line + "\n";
+      line = fmt::format("  [{}] {}", table, word);
+    } else {
+      line += (line.empty() ? "  " : ", ") + word;
+    }
+  });
+  return text + line + "\n";
+}
 
 void add_options(CLI::App& app, Raw& raw, TypedSettings& t, CommandLine& line) {
   app.add_option("file", raw.file, "Surface (.stl, .obj, .ply, .off) or settings file (.toml)");
-  app.add_option("--input", t.input, "Surface file, where a settings file comes first")->type_name("FILE");
-  app.add_option("-o,--output", t.output, "Model file [name of the surface].h5 in the current folder")
-      ->type_name("FILE");
-
-  const std::string surface = "Surface";
-  app.add_option("--scale", t.scale, "Factor on all coordinates [1]")->group(surface);
-  app.add_option("--length-unit", t.length_unit, "Label of the length unit, e.g. mm")->group(surface);
-  app.add_option("--title", t.title, "Title in the file [name of the surface]")->group(surface);
-  io::add_switch(app, "--repair,!--no-repair", t.repair,
-                 "Allow changes of shape: fill holes, resolve self-intersections, unite bodies")
-      ->group(surface);
-  io::add_switch(app, "--wrap,!--no-wrap", t.wrap, "Last resort: alpha wrapping")->group(surface);
-  app.add_option("--wrap-alpha", t.wrap_alpha, "Smallest detail of the wrapping, length [diagonal / 50]")
-      ->group(surface);
-  app.add_option("--wrap-offset", t.wrap_offset, "Distance of the wrapping, length [alpha / 30]")->group(surface);
-  app.add_option("--region-angle", t.region_angle, "Split regions at edges sharper than this, degrees")->group(surface);
-  io::add_switch(app, "--accept-leaks,!--no-accept-leaks", t.accept_leaks, "Go on with a surface that is not closed")
-      ->group(surface);
-
-  const std::string grid = "Grid";
-  app.add_option("--degree", raw.degree, "Degree 1 … 4 [2]")->type_name("P [P P]")->group(grid);
-  app.add_option("--span-size", raw.span_size, "Size of a span, length [longest side / 20]")
-      ->type_name("H [H H]")
-      ->group(grid);
-  app.add_option("--spans", raw.spans, "Spans across the part, or across the box")->type_name("N [N N]")->group(grid);
-  app.add_option("--box", raw.box, "Corners A and B of the grid: no margin then")
-      ->type_name("AX AY AZ BX BY BZ")
-      ->group(grid);
-  app.add_option("--margin", t.margin, "Empty spans on every side [degree]")->group(grid);
-  app.add_option("--rotation", raw.rotation, "Rotation of the grid about its centre, row by row; columns are its axes")
-      ->type_name("R (9 numbers)")
-      ->group(grid);
-  app.add_option("--rotate-axis-angle", raw.rotate_axis_angle, "The same as axis and angle in degrees")
-      ->type_name("X Y Z DEG")
-      ->group(grid);
-  io::add_switch(app, "--optimise-offset,!--no-optimise-offset", t.optimise_offset,
-                 "Shift the grid within one span so that fewest functions are light")
-      ->group(grid);
-
-  const std::string quadrature = "Trimming and quadrature";
-  app.add_option("--sliver-tolerance", t.sliver_tolerance, "Depth in spans below which a cut is snapped [2e-5]")
-      ->group(quadrature);
-  app.add_option("--min-fraction", t.min_fraction, "Drop trimmed spans with a smaller volume fraction [0]")
-      ->group(quadrature);
-  app.add_option("--quadrature", t.interior, "Rule of interior spans: gauss, ggq, ggq-reduced or ggq-reduced2 [ggq]")
-      ->type_name("RULE")
-      ->group(quadrature);
-  app.add_option(
-         "--trimmed", t.trimmed,
-         "Rule of trimmed spans: nnls, or minimal: points taken out and moved [minimal up to moment degree 2, above it "
-         "nnls]")
-      ->type_name("RULE")
-      ->group(quadrature);
-  io::add_switch(app, "--rank-bound,!--no-rank-bound", t.rank_bound,
-                 "With minimal: keep in a span as many points as its own stiffness has rank")
-      ->group(quadrature);
-  app.add_option("--moment-degree", raw.moment_degree, "Moments kept on trimmed spans: p, 2p or numbers [p]")
-      ->type_name("Q [Q Q]")
-      ->group(quadrature);
-  app.add_option("--tolerance", t.tolerance, "Bound on the moment residual of every span [1e-10]")->group(quadrature);
-
+  each_setting([&](const auto& setting) {
+    CLI::Option* option = add(app, raw, setting, t.*setting.member)->group(group_of(setting.table));
+    if (*setting.value != 0) option->type_name(setting.value);
+  });
   const std::string running = "Running";
   app.add_option("--threads", line.threads, "Number of threads [all]")->check(CLI::Range(1, 4096))->group(running);
   app.add_flag("--force", line.force, "Replace an output file that does not match")->group(running);
   app.add_flag("--quiet", line.quiet, "Print errors only")->group(running);
   app.add_flag("--json", line.json, "Report as one JSON object on stdout")->group(running);
   app.set_version_flag("--version", std::string("igaprep ") + program_version())->group(running);
-  app.footer(examples);
+  app.footer(examples + settings_keys() + exit_codes);
 }
 
+std::string expected(const ListLength& length, const char* kind) {
+  return fmt::format("{}{} {}", length.or_one ? "1 or " : "", length.count, kind);
+}
+
+// Lists as typed → numbers; all else is there already.
+void convert(const std::string& text, const Setting<Numbers>& s, TypedSettings& t) {
+  t.*s.member = list_of<double>(s.flags(), text, expected(s.length, "numbers"));
+}
+void convert(const std::string& text, const Setting<Integers>& s, TypedSettings& t) {
+  t.*s.member = list_of<std::int64_t>(s.flags(), text, expected(s.length, "integers"));
+}
+void convert(const std::string& text, const Setting<WordOrIntegers>& s, TypedSettings& t) {
+  if (text == "p" || text == "2p")
+    t.*s.member = text;
+  else
+    t.*s.member = list_of<std::int64_t>(s.flags(), text, "p, 2p, or " + expected(s.length, "integers"));
+}
+void convert(const std::string&, const auto&, TypedSettings&) {}
+
 TypedSettings flags_of(const Raw& raw, TypedSettings t) {
-  if (raw.degree) t.degree = list_of<std::int64_t>("--degree", *raw.degree, "1 or 3 integers");
-  if (raw.spans) t.spans = list_of<std::int64_t>("--spans", *raw.spans, "1 or 3 integers");
-  if (raw.span_size) t.span_size = list_of<double>("--span-size", *raw.span_size, "1 or 3 numbers");
-  if (raw.box) t.box = list_of<double>("--box", *raw.box, "6 numbers");
-  if (raw.rotation) t.rotation = list_of<double>("--rotation", *raw.rotation, "9 numbers");
-  if (raw.rotate_axis_angle)
-    t.rotate_axis_angle = list_of<double>("--rotate-axis-angle", *raw.rotate_axis_angle, "4 numbers");
-  if (raw.moment_degree) {
-    if (*raw.moment_degree == "p" || *raw.moment_degree == "2p")
-      t.moment_degree = *raw.moment_degree;
-    else
-      t.moment_degree = list_of<std::int64_t>("--moment-degree", *raw.moment_degree, "p, 2p, or 1 or 3 integers");
-  }
+  each_setting([&](const auto& setting) {
+    const auto list = raw.lists.find(setting.key);
+    if (list != raw.lists.end() && list->second) convert(*list->second, setting, t);
+  });
   return t;
 }
 

@@ -2,6 +2,7 @@
 
 #include "format/model/errors.hpp"
 #include "preprocessor/generalised_gauss.hpp"
+#include "preprocessor/settings_table.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -169,18 +170,9 @@ TypedSettings override_settings(TypedSettings base, const TypedSettings& over) {
   if (over.span_size) base.spans.reset();
   if (over.rotation) base.rotate_axis_angle.reset();
   if (over.rotate_axis_angle) base.rotation.reset();
-  const auto take = [&](auto member) {
-    if (over.*member) base.*member = over.*member;
-  };
-  take(&TypedSettings::input), take(&TypedSettings::output), take(&TypedSettings::scale);
-  take(&TypedSettings::length_unit), take(&TypedSettings::title), take(&TypedSettings::repair);
-  take(&TypedSettings::wrap), take(&TypedSettings::accept_leaks), take(&TypedSettings::wrap_alpha);
-  take(&TypedSettings::wrap_offset), take(&TypedSettings::region_angle), take(&TypedSettings::box);
-  take(&TypedSettings::spans), take(&TypedSettings::span_size), take(&TypedSettings::degree);
-  take(&TypedSettings::margin), take(&TypedSettings::rotation), take(&TypedSettings::rotate_axis_angle);
-  take(&TypedSettings::optimise_offset), take(&TypedSettings::sliver_tolerance), take(&TypedSettings::min_fraction);
-  take(&TypedSettings::interior), take(&TypedSettings::trimmed), take(&TypedSettings::moment_degree);
-  take(&TypedSettings::tolerance), take(&TypedSettings::rank_bound);
+  each_setting([&](const auto& setting) {
+    if (over.*setting.member) base.*setting.member = over.*setting.member;
+  });
   return base;
 }
 
@@ -213,42 +205,11 @@ Settings validate(const TypedSettings& typed) {
 }
 
 std::string canonical_text(const Settings& s) {
-  std::string text;
-  const auto line = [&](const char* name, const auto& value) { text += fmt::format("{} = {}\n", name, value); };
-  const auto list = [&](const char* name, const auto& values) {
-    line(name, fmt::format("{}", fmt::join(values, " ")));
-  };
-  const auto optional = [&](const char* name, const auto& value) {
-    if (value) line(name, *value);
-  };
-  line("scale", s.scale);
-  line("length_unit", s.length_unit);
-  line("title", s.title);
-  line("repair", s.surface.repair);
-  line("wrap", s.surface.wrap);
-  optional("wrap_alpha", s.surface.wrap_alpha);
-  optional("wrap_offset", s.surface.wrap_offset);
-  optional("region_angle", s.surface.region_angle);
-  line("accept_leaks", s.surface.accept_leaks);
-  if (s.grid.box) {
-    list("A", (*s.grid.box)[0]);
-    list("B", (*s.grid.box)[1]);
-  }
-  list("spans", s.grid.spans);
-  // One size for all directions and three equal ones are the same grid.
-  list("span_size", s.grid.span_size.size() == 1 ? std::vector<double>(3, s.grid.span_size[0]) : s.grid.span_size);
-  list("degree", s.grid.degree);
-  optional("margin", s.grid.margin);
-  for (const auto& row : s.grid.rotation) list("rotation", row);
-  line("optimise_offset", s.optimise_offset);
-  line("sliver_tolerance", s.trim.sliver_tolerance);
-  line("min_fraction", s.trim.min_fraction);
-  line("interior", s.quadrature.interior_rule);
-  line("trimmed", s.quadrature.trimmed_rule);
-  list("moment_degree", s.quadrature.moment_degree);
-  line("tolerance", s.quadrature.tolerance);
-  line("rank_bound", s.quadrature.rank_bound);
-  return text;
+  CanonicalText canonical;
+  each_setting([&](const auto& setting) {
+    if (setting.canonical) setting.canonical(canonical, s);
+  });
+  return canonical.text;
 }
 
 } // namespace iga::prep

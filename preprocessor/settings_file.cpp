@@ -1,53 +1,56 @@
-// prep.toml → TypedSettings. The keys are the flags' names with underscores.
-#include "preprocessor/settings.hpp"
-
+// prep.toml → TypedSettings.
 #include "format/io/settings_reader.hpp"
+#include "preprocessor/settings_table.hpp"
 
 namespace iga::prep {
 
+namespace {
+
+using io::SettingsTable;
+
+void read(SettingsTable& table, const Setting<std::filesystem::path>& s, std::optional<std::filesystem::path>& value) {
+  value = table.path(s.key);
+}
+void read(SettingsTable& table, const Setting<std::string>& s, std::optional<std::string>& value) {
+  value = table.text(s.key);
+}
+void read(SettingsTable& table, const Setting<bool>& s, std::optional<bool>& value) {
+  value = table.boolean(s.key);
+}
+void read(SettingsTable& table, const Setting<double>& s, std::optional<double>& value) {
+  value = table.number(s.key);
+}
+void read(SettingsTable& table, const Setting<std::int64_t>& s, std::optional<std::int64_t>& value) {
+  value = table.integer(s.key);
+}
+void read(SettingsTable& table, const Setting<Numbers>& s, std::optional<Numbers>& value) {
+  const std::size_t n = s.length.count;
+  value = s.length.or_one ? table.numbers(s.key, {1, n}) : table.numbers(s.key, {n});
+}
+std::optional<Integers> integers(SettingsTable& table, const char* key, const ListLength& length) {
+  return length.or_one ? table.integers(key, {1, length.count}) : table.integers(key, {length.count});
+}
+void read(SettingsTable& table, const Setting<Integers>& s, std::optional<Integers>& value) {
+  value = integers(table, s.key, s.length);
+}
+void read(SettingsTable& table, const Setting<WordOrIntegers>& s, std::optional<WordOrIntegers>& value) {
+  if (table.holds_text(s.key))
+    value = *table.text(s.key);
+  else if (const auto numbers = integers(table, s.key, s.length))
+    value = *numbers;
+}
+
+} // namespace
+
 TypedSettings read_settings_file(const std::filesystem::path& file) {
-  io::SettingsTable root = io::SettingsTable::read(file);
-  TypedSettings s;
-  s.input = root.path("input");
-  s.output = root.path("output");
-  s.scale = root.number("scale");
-  s.length_unit = root.text("length_unit");
-  s.title = root.text("title");
-
-  io::SettingsTable surface = root.table("surface");
-  s.repair = surface.boolean("repair");
-  s.wrap = surface.boolean("wrap");
-  s.wrap_alpha = surface.number("wrap_alpha");
-  s.wrap_offset = surface.number("wrap_offset");
-  s.region_angle = surface.number("region_angle");
-  s.accept_leaks = surface.boolean("accept_leaks");
-
-  io::SettingsTable grid = root.table("grid");
-  s.box = grid.numbers("box", {6});
-  s.spans = grid.integers("spans", {1, 3});
-  s.span_size = grid.numbers("span_size", {1, 3});
-  s.degree = grid.integers("degree", {1, 3});
-  s.margin = grid.integer("margin");
-  s.rotation = grid.numbers("rotation", {9});
-  s.rotate_axis_angle = grid.numbers("rotate_axis_angle", {4});
-  s.optimise_offset = grid.boolean("optimise_offset");
-
-  io::SettingsTable trim = root.table("trim");
-  s.sliver_tolerance = trim.number("sliver_tolerance");
-  s.min_fraction = trim.number("min_fraction");
-
-  io::SettingsTable quadrature = root.table("quadrature");
-  s.interior = quadrature.text("interior");
-  s.trimmed = quadrature.text("trimmed");
-  if (quadrature.holds_text("moment_degree"))
-    s.moment_degree = *quadrature.text("moment_degree");
-  else if (const auto degrees = quadrature.integers("moment_degree", {1, 3}))
-    s.moment_degree = *degrees;
-  s.tolerance = quadrature.number("tolerance");
-  s.rank_bound = quadrature.boolean("rank_bound");
-
+  SettingsTable root = SettingsTable::read(file);
+  TypedSettings typed;
+  each_setting([&](const auto& setting) {
+    SettingsTable table = *setting.table == 0 ? root : root.table(setting.table);
+    read(table, setting, typed.*setting.member);
+  });
   root.refuse_unknown_keys();
-  return s;
+  return typed;
 }
 
 } // namespace iga::prep

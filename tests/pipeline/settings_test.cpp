@@ -1,10 +1,14 @@
 #include "preprocessor/settings.hpp"
 
 #include "format/model/errors.hpp"
+#include "preprocessor/command_line.hpp"
+#include "preprocessor/settings_table.hpp"
 #include "tests/support/temp_folder.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>
+#include <map>
+#include <set>
 
 namespace iga::prep {
 namespace {
@@ -208,6 +212,136 @@ TEST(Settings, CanonicalTextTellsDataApartAndIgnoresHowItWasTyped) {
   one.span_size = {{2}};
   three.span_size = {{2, 2, 2}};
   EXPECT_EQ(canonical_text(validate(one)), canonical_text(validate(three)));
+}
+
+// A value other than the default for each setting, as a settings file has it, and what else it needs.
+struct Sample {
+  std::string value;
+  std::vector<std::pair<std::string, std::string>> with; // table.key, value
+};
+
+const std::map<std::string, Sample>& samples() {
+  static const std::map<std::string, Sample> all{{"input", {"\"other.stl\"", {}}},
+                                                 {"output", {"\"other.h5\"", {}}},
+                                                 {"scale", {"2.5", {}}},
+                                                 {"length_unit", {"\"mm\"", {}}},
+                                                 {"title", {"\"a part\"", {}}},
+                                                 {"repair", {"true", {}}},
+                                                 {"wrap", {"true", {}}},
+                                                 {"wrap_alpha", {"0.5", {{"surface.wrap", "true"}}}},
+                                                 {"wrap_offset", {"0.25", {{"surface.wrap", "true"}}}},
+                                                 {"region_angle", {"30", {}}},
+                                                 {"accept_leaks", {"true", {}}},
+                                                 {"box", {"[0, 0, 0, 1, 2, 3]", {}}},
+                                                 {"spans", {"[3, 4, 5]", {}}},
+                                                 {"span_size", {"0.125", {}}},
+                                                 {"degree", {"1", {}}},
+                                                 {"margin", {"4", {}}},
+                                                 {"rotation", {"[0, -1, 0, 1, 0, 0, 0, 0, 1]", {}}},
+                                                 {"rotate_axis_angle", {"[0, 0, 1, 90]", {}}},
+                                                 {"optimise_offset", {"true", {}}},
+                                                 {"sliver_tolerance", {"1e-4", {}}},
+                                                 {"min_fraction", {"0.01", {}}},
+                                                 {"interior", {"\"gauss\"", {}}},
+                                                 {"trimmed", {"\"nnls\"", {}}},
+                                                 {"moment_degree", {"\"2p\"", {}}},
+                                                 {"tolerance", {"1e-9", {}}},
+                                                 {"rank_bound", {"true", {}}}};
+  return all;
+}
+
+// "[0, 1]" or "\"mm\"" → the words that follow a flag.
+std::vector<std::string> words_of(std::string value) {
+  std::vector<std::string> words(1);
+  for (const char c : value) {
+    if (c == ',')
+      words.emplace_back();
+    else if (std::string("[]\" ").find(c) == std::string::npos || (c == ' ' && value[0] == '"'))
+      words.back() += c;
+  }
+  return words;
+}
+
+struct OneSetting {
+  std::string table, key, flags;
+  bool is_switch = false, affects_data = false;
+};
+
+std::vector<OneSetting> all_settings() {
+  std::vector<OneSetting> all;
+  each_setting([&]<class T>(const Setting<T>& s) {
+    all.push_back({s.table, s.key, s.flags(), std::is_same_v<T, bool>, s.canonical != nullptr});
+  });
+  return all;
+}
+
+// One table makes settings file, flags, override and canonical text: each setting reaches all of them.
+TEST(SettingsTable, FileAndFlagsGiveTheSameForEverySetting) {
+  const test::TempFolder folder;
+  const std::string base = canonical_text(validate(minimal()));
+  std::set<std::string> seen;
+  for (const OneSetting& s : all_settings()) {
+    SCOPED_TRACE(s.key);
+    EXPECT_TRUE(seen.insert(s.key).second) << "two settings of one name";
+    ASSERT_TRUE(samples().contains(s.key)) << "a new setting needs a value here";
+    const Sample& sample = samples().at(s.key);
+    std::map<std::string, std::string> tables{{"", s.key == "input" ? "" : "input = \"part.stl\"\n"}};
+    std::vector<std::string> words{"igaprep"};
+    if (s.key != "input") words.push_back("part.stl");
+    const auto add = [&](const std::string& table, const std::string& key, const std::string& value) {
+      tables[table] += key + " = " + value + "\n";
+    };
+    add(s.table, s.key, sample.value);
+    words.push_back(s.flags.substr(s.flags.find("--")));
+    if (!s.is_switch)
+      for (const std::string& word : words_of(sample.value)) words.push_back(word);
+    for (const auto& [name, value] : sample.with) {
+      add(name.substr(0, name.find('.')), name.substr(name.find('.') + 1), value);
+      words.push_back("--" + name.substr(name.find('.') + 1));
+    }
+    std::string text = tables[""];
+    for (const auto& [table, lines] : tables)
+      if (!table.empty()) text += "[" + table + "]\n" + lines;
+    test::write_bytes(folder / "prep.toml", text);
+    std::vector<const char*> argv;
+    for (const std::string& word : words) argv.push_back(word.c_str());
+    const Settings from_file = validate(read_settings_file(folder / "prep.toml"));
+    const auto line = parse_command_line(static_cast<int>(argv.size()), argv.data());
+    ASSERT_TRUE(line);
+    const Settings from_flags = validate(line->typed), over = validate(override_settings(minimal(), line->typed));
+    EXPECT_EQ(canonical_text(from_file), canonical_text(from_flags));
+    EXPECT_EQ(canonical_text(over), canonical_text(from_flags));
+    EXPECT_EQ(from_file.input.filename(), from_flags.input.filename());
+    EXPECT_EQ(from_file.output.filename(), from_flags.output.filename());
+    // Another input gives another title.
+    const bool told = s.affects_data || s.key == "rotate_axis_angle" || s.key == "input";
+    EXPECT_EQ(canonical_text(from_flags) != base, told);
+  }
+}
+
+// The hash of files that stand already is made from this text: it must not change for the same settings.
+TEST(SettingsTable, CanonicalTextOfTheDefaults) {
+  EXPECT_EQ(canonical_text(validate(minimal())), R"(scale = 1
+length_unit = unspecified
+title = part
+repair = false
+wrap = false
+accept_leaks = false
+spans = 
+span_size = 
+degree = 2 2 2
+rotation = 1 0 0
+rotation = 0 1 0
+rotation = 0 0 1
+optimise_offset = false
+sliver_tolerance = 2e-05
+min_fraction = 0
+interior = ggq
+trimmed = minimal
+moment_degree = 2 2 2
+tolerance = 1e-10
+rank_bound = false
+)");
 }
 
 } // namespace
