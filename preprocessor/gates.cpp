@@ -23,6 +23,15 @@ double rounded_down(double value) {
   return std::floor(value / unit * (1 + 1e-12)) * unit;
 }
 
+// What spans of a size do, or, where the solid would fill too many of them, something else.
+std::string span_advice(double size, double num_spans, const SplineGrid& grid, const char* effect,
+                        const std::string& instead) {
+  constexpr double too_many = 1e6;
+  if (!(num_spans <= too_many)) return fmt::format("; that would take about {:.0e} spans: {}", num_spans, instead);
+  return fmt::format("; spans of at most {:.3g} {} (--span-size; about {:.2g} of them, now {:.4g})", rounded_down(size),
+                     effect, num_spans, fmt::join(grid.span_size(), " × "));
+}
+
 // Position of a span's centre.
 Point3 centre_of(const SplineGrid& grid, const Index3& ijk) {
   const Box3 box = grid.span_box(ijk);
@@ -134,13 +143,13 @@ std::vector<std::string> judge_walls(const ThinWalls& walls, const SplineGrid& g
             fmt::format("; this one tapers to an edge of {:.0f} degrees, which no span size resolves to its tip: "
                         "compare the results of two span sizes",
                         w.taper)};
-  return {found + fmt::format("; spans of at most {:.3g} would do (--span-size; now {:.4g})", rounded_down(w.span_size),
-                              fmt::join(grid.span_size(), " × "))};
+  return {found + span_advice(w.span_size, w.num_spans, grid, "would do",
+                              "give small spans across the wall only (--span-size with three numbers, the grid turned "
+                              "by --rotate-axis-angle), or compare the results of two span sizes")};
 }
 
 std::vector<std::string> judge_gaps(const std::optional<NarrowGap>& gap, const WindingReport& winding,
                                     const SplineGrid& grid) {
-  constexpr double touching = 1e-3; // spans: no grid resolves such a gap
   const std::string shared =
       winding.shared_functions == 0
           ? ""
@@ -159,11 +168,9 @@ std::vector<std::string> judge_gaps(const std::optional<NarrowGap>& gap, const W
       gap->width, gap->spans, text(gap->where), *std::max_element(p.begin(), p.end()),
       *std::max_element(p.begin(), p.end()) + 1);
   if (!shared.empty()) warning += fmt::format(" ({})", shared);
-  if (gap->spans < touching)
-    return {warning + "; it is too narrow for any span size: where the sides must move apart, give each body a file of "
-                      "its own or widen the gap in the part"};
-  return {warning + fmt::format("; spans of at most {:.3g} keep them apart (--span-size; now {:.4g})",
-                                rounded_down(gap->span_size), fmt::join(grid.span_size(), " × "))};
+  return {warning + span_advice(gap->span_size, gap->num_spans, grid, "keep them apart",
+                                "where the sides must move apart, give each body a file of its own or widen the gap in "
+                                "the part")};
 }
 
 void judge_surface_points(const TrimmedModel& model, const SurfaceTreatment& treatment) {

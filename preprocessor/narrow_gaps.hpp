@@ -10,6 +10,7 @@ struct NarrowGap {
   double spans = 0;     ///< the same in spans, across the gap
   Point3 where{};       ///< position on one of its sides
   double span_size = 0; ///< of cubic spans over which no function reaches, length
+  double num_spans = 0; ///< of them that the solid would fill
 };
 
 /// The narrowest gap that functions of degree p, p + 1 spans long, reach across: two places of the surface that see

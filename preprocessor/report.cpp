@@ -62,6 +62,7 @@ void add_walls_and_gaps(io::JsonObject& json, const PrepReport& r) {
     wall.add("where", w->where);
     wall.add("taper", w->taper);
     wall.add("span_size", w->span_size);
+    wall.add("num_spans", w->num_spans);
     json.add("thinnest_wall", wall);
   } else {
     json.add("thinnest_wall", none);
@@ -73,6 +74,7 @@ void add_walls_and_gaps(io::JsonObject& json, const PrepReport& r) {
     narrowest.add("spans", gap->spans);
     narrowest.add("where", gap->where);
     narrowest.add("span_size", gap->span_size);
+    narrowest.add("num_spans", gap->num_spans);
     json.add("narrowest_gap", narrowest);
   } else {
     json.add("narrowest_gap", none);

@@ -113,8 +113,12 @@ std::optional<ThinWall> thinnest_block(const TrimmedModel& model, const std::vec
       taper += samples[w.sample].area * w.taper;
       if (passed < 0.25 * area) continue;
       if (!thinnest || w.spans < thinnest->spans)
-        thinnest = ThinWall{w.length, w.spans, samples[w.sample].x, taper / passed * 180 / std::numbers::pi,
-                            w.length / spans_across_wall};
+        thinnest = ThinWall{w.length,
+                            w.spans,
+                            samples[w.sample].x,
+                            taper / passed * 180 / std::numbers::pi,
+                            w.length / spans_across_wall,
+                            0};
       break;
     }
   }
@@ -150,7 +154,9 @@ ThinWalls find_thin_walls(const TrimmedModel& model, const TriangleTree& tree,
   const WallRuler ruler(model, tree, enough * spans_across_wall);
   ThinWalls out;
   out.thinnest = thinnest_block(model, samples, measure_walls(model, ruler, samples));
-  if (out.thinnest) out.volume_share = thin_share(model, ruler);
+  if (!out.thinnest) return out;
+  out.thinnest->num_spans = model.quadrature.part_volume / std::pow(out.thinnest->span_size, 3);
+  out.volume_share = thin_share(model, ruler);
   return out;
 }
 

@@ -15,6 +15,7 @@ struct ThinWall {
   Point3 where{};       ///< position on its surface
   double taper = 0;     ///< mean angle between its two faces, degrees
   double span_size = 0; ///< of cubic spans that would do, length
+  double num_spans = 0; ///< of them that the solid would fill
 };
 
 struct ThinWalls {

@@ -104,7 +104,7 @@ const SplineGrid unit_spans({0, 0, 0}, {10, 10, 10}, {10, 10, 10}, {2, 2, 2});
 TEST(JudgeGaps, SharedFunctionsAndGapsAreAWarning) {
   WindingReport winding;
   EXPECT_TRUE(judge_gaps(std::nullopt, winding, unit_spans).empty());
-  const NarrowGap slot{0.5, 0.5, {1, 2, 3}, 0.5 / 3};
+  const NarrowGap slot{0.5, 0.5, {1, 2, 3}, 0.5 / 3, 1000};
   auto warnings = judge_gaps(slot, winding, unit_spans);
   ASSERT_EQ(warnings.size(), 1U);
   expect_words(warnings[0], {"0.5 wide", "near (1, 2, 3)", "3 spans long", "at most 0.166 ", "now 1 × 1 × 1"});
@@ -116,21 +116,28 @@ TEST(JudgeGaps, SharedFunctionsAndGapsAreAWarning) {
   ASSERT_EQ(warnings.size(), 1U);
   expect_words(warnings[0], {"7 functions are shared across a gap", "smaller spans"});
   // What no grid resolves is not answered with a span size.
-  warnings = judge_gaps(NarrowGap{1e-5, 1e-5, {}, 3e-6}, winding, unit_spans);
+  warnings = judge_gaps(NarrowGap{1e-5, 1e-5, {}, 3e-6, 3e19}, winding, unit_spans);
   ASSERT_EQ(warnings.size(), 1U);
   EXPECT_EQ(warnings[0].find("--span-size"), std::string::npos);
 }
 
 TEST(JudgeWalls, NamesTheSpanSizeThatWouldDo) {
   EXPECT_TRUE(judge_walls({}, unit_spans).empty());
-  const auto warnings = judge_walls({ThinWall{0.4, 0.4, {1, 2, 3}, 0, 0.2}, 0.25}, unit_spans);
+  const auto warnings = judge_walls({ThinWall{0.4, 0.4, {1, 2, 3}, 0, 0.2, 8000}, 0.25}, unit_spans);
   ASSERT_EQ(warnings.size(), 1U);
   expect_words(warnings[0],
                {"25 % of the solid's volume", "0.4 thick, 0.4 spans, near (1, 2, 3)", "at most 0.2 ", "now 1 × 1 × 1"});
 }
 
+TEST(JudgeWalls, SizesThatNeedTooManySpansAreNotAdvised) {
+  const auto warnings = judge_walls({ThinWall{1e-4, 1e-4, {}, 0, 5e-5, 8e12}, 1}, unit_spans);
+  ASSERT_EQ(warnings.size(), 1U);
+  expect_words(warnings[0], {"about 8e+12 spans", "across the wall only"});
+  EXPECT_EQ(warnings[0].find("at most"), std::string::npos);
+}
+
 TEST(JudgeWalls, AnEdgeThatTapersOutGetsNoSpanSize) {
-  const ThinWall edge{0.1, 0.1, {}, 20, 0.05};
+  const ThinWall edge{0.1, 0.1, {}, 20, 0.05, 500};
   EXPECT_TRUE(judge_walls({edge, 1e-4}, unit_spans).empty());
   const auto warnings = judge_walls({edge, 0.05}, unit_spans);
   ASSERT_EQ(warnings.size(), 1U);
