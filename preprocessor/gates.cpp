@@ -134,10 +134,11 @@ std::vector<std::string> judge_walls(const ThinWalls& walls, const SplineGrid& g
   if (!walls.thinnest) return {};
   const ThinWall& w = *walls.thinnest;
   if (w.taper > edge && walls.volume_share < little_volume) return {};
+  const double wanted = spans_across_wall(grid);
   const std::string found = fmt::format(
       "walls too thin for their spans hold {:.3g} % of the solid's volume; the thinnest is {:.4g} thick, {:.2g} spans, "
-      "near {}: a wall wants {} spans across its thickness, thinner ones come out too stiff",
-      100 * walls.volume_share, w.thickness, w.spans, text(w.where), spans_across_wall);
+      "near {}: a wall wants {} span{} across its thickness, with less its stiffness is inaccurate",
+      100 * walls.volume_share, w.thickness, w.spans, text(w.where), wanted, wanted == 1 ? "" : "s");
   if (w.taper > edge)
     return {found +
             fmt::format("; this one tapers to an edge of {:.0f} degrees, which no span size resolves to its tip: "

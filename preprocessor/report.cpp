@@ -208,8 +208,9 @@ std::string human_report(const PrepReport& r) {
                               r.inertia_error, r.area_error));
   line("functions", fmt::format("{} with material, {} light", r.functions, r.light_functions));
   if (const auto& w = r.walls.thinnest)
-    line("walls", fmt::format("thinnest {:.4g}, {:.3g} spans, near {}; {:.3g} % of the volume in walls below {} spans",
-                              w->thickness, w->spans, text(w->where), 100 * r.walls.volume_share, spans_across_wall));
+    line("walls",
+         fmt::format("thinnest {:.4g}, {:.3g} spans, near {}; {:.3g} % of the volume in walls that want {} spans",
+                     w->thickness, w->spans, text(w->where), 100 * r.walls.volume_share, spans_across_wall(r.grid)));
   if (const auto& gap = r.narrowest_gap)
     line("gaps", fmt::format("narrowest {:.4g}, {:.3g} spans, near {}", gap->width, gap->spans, text(gap->where)));
   if (r.offset)

@@ -117,7 +117,7 @@ std::optional<ThinWall> thinnest_block(const TrimmedModel& model, const std::vec
                             w.spans,
                             samples[w.sample].x,
                             taper / passed * 180 / std::numbers::pi,
-                            w.length / spans_across_wall,
+                            w.length / spans_across_wall(model.grid),
                             0};
       break;
     }
@@ -149,9 +149,15 @@ double thin_share(const TrimmedModel& model, const WallRuler& ruler) {
 
 } // namespace
 
+double spans_across_wall(const SplineGrid& grid) {
+  constexpr int functions = 4;
+  const auto p = grid.degree();
+  return std::max(functions - *std::min_element(p.begin(), p.end()), 1);
+}
+
 ThinWalls find_thin_walls(const TrimmedModel& model, const TriangleTree& tree,
                           const std::vector<SurfaceSample>& samples) {
-  const WallRuler ruler(model, tree, enough * spans_across_wall);
+  const WallRuler ruler(model, tree, enough * spans_across_wall(model.grid));
   ThinWalls out;
   out.thinnest = thinnest_block(model, samples, measure_walls(model, ruler, samples));
   if (!out.thinnest) return out;

@@ -5,8 +5,9 @@
 
 namespace iga::prep {
 
-/// Spans that a wall wants across its thickness.
-constexpr double spans_across_wall = 2;
+/// Spans that a wall wants across its thickness, for four functions of the lowest degree: two at p = 2, one from p = 3
+/// on.
+double spans_across_wall(const SplineGrid& grid);
 
 /// The thinnest wall of a part.
 struct ThinWall {

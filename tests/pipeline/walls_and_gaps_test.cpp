@@ -122,6 +122,18 @@ TEST(Walls, TwoSpansAreEnough) {
   EXPECT_NEAR(found.walls.thinnest->thickness, 2, 1e-9);
 }
 
+TEST(Walls, WantFourFunctionsAcross) {
+  const TriangleMesh plate = box({0, 0, 0}, {8, 7, 2});
+  for (const auto& [degree, enough, too_large] :
+       {std::array{1, 66, 75}, std::array{2, 100, 110}, std::array{3, 200, 220}, std::array{4, 200, 220}}) {
+    PartOptions options = spans_of(enough * 0.01);
+    options.degree = degree;
+    EXPECT_FALSE(measure(plate, options).walls.thinnest) << degree;
+    options.span_size = too_large * 0.01;
+    EXPECT_TRUE(measure(plate, options).walls.thinnest) << degree;
+  }
+}
+
 TEST(Walls, ThickPartsWithEdgesAndCornersAreNoWalls) {
   const Rotation R = rotation(25, 40);
   for (const double shift : {0.0, 0.37}) {
