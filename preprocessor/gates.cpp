@@ -98,6 +98,9 @@ std::vector<std::string> judge_trimming(const SplineGrid& grid, const Trimming& 
                     "than the sliver depth of its spans\nChoose smaller spans (--span-size) or a smaller "
                     "--sliver-tolerance.",
                     trimming.snapped_volume, mesh_volume));
+  if (trimming.active.empty() && trimming.dropped_spans == 0)
+    throw SurfaceFault("no span holds material: the surface is open where the rows of spans leave it\n" +
+                       next_step(treatment));
   if (trimming.active.empty())
     throw InputError(fmt::format("no span holds material ({} trimmed span(s) of volume {:.3g} were dropped by "
                                  "--min-fraction): choose smaller spans or a smaller --min-fraction",
@@ -108,15 +111,18 @@ std::vector<std::string> judge_trimming(const SplineGrid& grid, const Trimming& 
 std::vector<std::string> judge_winding(const WindingReport& winding, const Trimming& trimming,
                                        const SurfaceTreatment& treatment) {
   std::vector<std::string> warnings;
-  if (winding.bad_lines > 0)
-    refuse_or_warn(
-        treatment.accept_leaks && leaks(trimming), warnings,
-        fmt::format("the surface does not bound one solid: {} of {} test lines meet a winding number other than 0 "
-                    "or 1 (worst {}, near {}), over a length of {:.3g} in all: bodies overlap or the surface crosses "
-                    "itself, and volume would count twice",
-                    winding.bad_lines, winding.num_lines, winding.worst_winding, text(winding.where),
-                    winding.bad_length),
-        treatment);
+  if (winding.bad_lines == 0) return warnings;
+  const bool only_open = winding.worst_winding == 1;
+  const std::string found =
+      only_open
+          ? fmt::format("the surface is open: {} of {} test lines enter the solid and do not leave it (first near {})",
+                        winding.bad_lines, winding.num_lines, text(winding.where))
+          : fmt::format("the surface does not bound one solid: {} of {} test lines meet a winding number other "
+                        "than 0 or 1 (worst {}, near {}), over a length of {:.3g} in all: bodies overlap or the "
+                        "surface crosses itself, and volume would count twice",
+                        winding.bad_lines, winding.num_lines, winding.worst_winding, text(winding.where),
+                        winding.bad_length);
+  refuse_or_warn(treatment.accept_leaks && (treatment.open || leaks(trimming)), warnings, found, treatment);
   return warnings;
 }
 

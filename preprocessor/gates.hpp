@@ -29,6 +29,7 @@ struct SurfaceTreatment {
   bool repair = false;       ///< --repair
   bool wrapped = false;      ///< a wrapped surface stands for the given one
   bool accept_leaks = false; ///< findings that come from an open surface become warnings; overlaps never do
+  bool open = false;         ///< facets do not close it
 };
 
 /// Judges the trimming and the winding numbers of a surface that encloses `mesh_volume`.

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <unordered_map>
+#include <utility>
 
 namespace iga::prep {
 
@@ -55,9 +56,8 @@ std::vector<Candidate> find_candidates(const TrimmedModel& model, const Triangle
       out.push_back(one);
     }
   }
-  std::sort(out.begin(), out.end(), [](const Candidate& a, const Candidate& b) {
-    return a.reach != b.reach ? a.reach < b.reach : a.sample < b.sample;
-  });
+  const auto order = [](const Candidate& c) { return std::pair(std::llround(c.reach * 1e9), c.sample); };
+  std::sort(out.begin(), out.end(), [&](const Candidate& a, const Candidate& b) { return order(a) < order(b); });
   if (out.size() > most_tested) { // evenly, from the narrowest on
     for (std::size_t i = 0; i < most_tested; ++i) out[i] = out[i * out.size() / most_tested];
     out.resize(most_tested);

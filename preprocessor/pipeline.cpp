@@ -202,7 +202,7 @@ PrepReport make_model(const Settings& s, const RunInfo& run, const PreparedSurfa
   append(report.findings, surface.findings);
   append(report.warnings, surface.warnings);
 
-  const SurfaceTreatment treatment{s.surface.repair, surface.wrapped, s.surface.accept_leaks};
+  const SurfaceTreatment treatment{s.surface.repair, surface.wrapped, s.surface.accept_leaks, surface.open};
   TrimmedModel model;
   model.title = s.title;
   model.length_unit = s.length_unit;
@@ -229,7 +229,7 @@ PrepReport make_model(const Settings& s, const RunInfo& run, const PreparedSurfa
   report.counts = quadrature.counts;
   model.points = std::move(quadrature.points);
   // Without leaks the two volumes agree to rounding; an accepted leak leaves only the one that the spans hold.
-  const bool leaks = trimming.worst_leak > volume_tolerance || report.trimming_error > volume_tolerance;
+  const bool leaks = surface.open || trimming.worst_leak > volume_tolerance || report.trimming_error > volume_tolerance;
   model.quadrature = quadrature_info(s, trimming, leaks ? trimming.exact_volume : mesh_volume, quadrature.max_residual);
   FunctionMass mass = stages.run("functions", [&] { return function_mass(model.grid, trimming, model.points); });
   model.active_functions = std::move(mass.functions);
@@ -237,7 +237,7 @@ PrepReport make_model(const Settings& s, const RunInfo& run, const PreparedSurfa
   model.surface =
       stages.run("surface points", [&] { return make_embedded_surface(model.grid, surface.mesh, trimming); });
   trimming.pieces = {};
-  model.surface.accepted_leak = leaks ? trimming.worst_leak : 0;
+  model.surface.accepted_leak = leaks ? std::max(trimming.worst_leak, volume_tolerance) : 0;
   model.surface.bodies = surface.bodies;
   judge_surface_points(model, treatment);
   model.state = std::move(trimming.state);

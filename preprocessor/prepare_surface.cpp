@@ -250,6 +250,7 @@ class Preparation {
     const EdgeTable edges = make_edge_table(surface_.mesh.triangles);
     const EdgeDefects defects = find_edge_defects(surface_.mesh, edges);
     closed_ = is_closed_chain(edges);
+    out_.open = !closed_;
     if (!closed_) {
       const bool open = defects.open > 0;
       const std::string text =

@@ -22,6 +22,7 @@ struct PreparedSurface {
   TriangleMesh mesh;                 ///< welded, closed, outward-oriented; regions kept
   int bodies = 0;                    ///< mechanically separate outer shells
   int cavities = 0;                  ///< inner shells
+  bool open = false;                 ///< not closed, which was accepted
   bool shape_changed = false;        ///< repair or wrapping changed the shape
   bool wrapped = false;              ///< a wrapped surface stands for the given one
   std::vector<std::string> findings; ///< what was found and what was done, one sentence each

@@ -17,6 +17,7 @@ namespace {
 constexpr double enough = 0.95;                      // of spans_across_wall: see the header
 constexpr double opposite = std::numbers::sqrt3 / 2; // cosine of 30 degrees
 constexpr std::size_t volume_samples = 2000;
+constexpr double rounding = 1e-9; // among walls of one thickness the first is told
 
 // A wall as one place of the surface sees it.
 struct Thickness {
@@ -112,7 +113,7 @@ std::optional<ThinWall> thinnest_block(const TrimmedModel& model, const std::vec
       passed += samples[w.sample].area;
       taper += samples[w.sample].area * w.taper;
       if (passed < 0.25 * area) continue;
-      if (!thinnest || w.spans < thinnest->spans)
+      if (!thinnest || w.spans < (1 - rounding) * thinnest->spans)
         thinnest = ThinWall{w.length,
                             w.spans,
                             samples[w.sample].x,

@@ -83,6 +83,15 @@ TEST(JudgeWinding, OverlapsAreRefusedEvenWhereLeaksAreAccepted) {
   EXPECT_EQ(judge_winding(winding, leaking, accepted).size(), 1U);
 }
 
+TEST(JudgeWinding, LinesThatDoNotLeaveTellAnOpenSurface) {
+  WindingReport winding;
+  winding.num_lines = 100;
+  winding.bad_lines = 4;
+  winding.worst_winding = 1;
+  expect_words(refusal([&] { judge_winding(winding, {}, {}); }), {"is open", "4 of 100", "--repair"});
+  EXPECT_EQ(judge_winding(winding, {}, {false, false, true, true}).size(), 1U);
+}
+
 TEST(JudgeWinding, AdvisesTheNextStepAndNeverWhatWasTried) {
   WindingReport winding;
   winding.num_lines = winding.bad_lines = 1;
