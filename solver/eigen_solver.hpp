@@ -25,7 +25,7 @@ struct EigenProblem {
 
 enum class ModeKind {
   Rigid,     ///< a rigid motion of a body, written down and checked
-  Mechanism, ///< a motion without stiffness that is not rigid: parts that hang together by too little
+  Mechanism, ///< a motion without stiffness that is not rigid: parts that are connected by too little material
   Elastic,
 };
 

@@ -64,7 +64,11 @@ double left_in_address_space() {
   rlimit limit{};
   if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY)
     return std::numeric_limits<double>::infinity();
-  return static_cast<double>(limit.rlim_cur) - 1024 * number_in("/proc/self/status", "VmSize:").value_or(0);
+  rlimit stack{};
+  constexpr double usual_stack = 8 << 20, openmp_threads = 4; // that CHOLMOD starts; they take room for their stacks
+  const bool known = getrlimit(RLIMIT_STACK, &stack) == 0 && stack.rlim_cur != RLIM_INFINITY;
+  return static_cast<double>(limit.rlim_cur) - 1024 * number_in("/proc/self/status", "VmSize:").value_or(0) -
+         openmp_threads * (known ? static_cast<double>(stack.rlim_cur) : usual_stack);
 }
 
 } // namespace
@@ -79,7 +83,7 @@ void require_memory(const FactorCost& cost, std::int64_t unknowns, double availa
   if (cost.bytes <= available) return;
   constexpr double GiB = 1024.0 * 1024 * 1024;
   throw InputError(fmt::format(
-      "this model needs about {:.2f} GiB of memory for its factor ({} unknowns, {:.3g} nonzeros), but only {:.2f} GiB "
+      "this model needs about {:.3g} GiB of memory for its factor ({} unknowns, {:.3g} nonzeros), but only {:.3g} GiB "
       "are free; use larger spans (halving the number of spans per direction takes about a sixteenth of the memory), a "
       "lower degree, or a machine with more memory",
       cost.bytes / GiB, unknowns, static_cast<double>(cost.nonzeros), available / GiB));

@@ -1,7 +1,7 @@
 #include "solver/light_functions.hpp"
 
 #include "format/model/errors.hpp"
-#include "solver/advice.hpp"
+#include "solver/span_advice.hpp"
 
 #include <algorithm>
 #include <atomic>

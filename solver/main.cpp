@@ -1,6 +1,7 @@
 // igasolve: runs one command and turns what went wrong into text and exit code.
 #include "format/io/interrupt.hpp"
 #include "format/io/run_tool.hpp"
+#include "solver/blas_threads.hpp"
 #include "solver/command_line.hpp"
 
 namespace {
@@ -20,5 +21,6 @@ int run(int argc, const char* const* argv) {
 } // namespace
 
 int main(int argc, char** argv) {
+  iga::solve::keep_blas_within_memory(argv);
   return iga::io::run_tool("igasolve", [&] { return run(argc, argv); });
 }

@@ -65,6 +65,20 @@ int whole(const char* key, std::int64_t value, std::int64_t least, std::int64_t 
   return static_cast<int>(value);
 }
 
+// Every key that a run file of eigen, timestep and static may hold.
+std::vector<io::TableKeys> run_keys() {
+  std::vector<io::TableKeys> keys{
+      {"", {"model", "output", "units", "mass", "light_functions", "light_threshold"}},
+      {"material", {"E", "nu", "rho", "C"}},
+      {"eigen", {"modes", "largest", "sturm"}},
+      {"results", {"subdivide", "viewer"}},
+      {"support", {"name", "fixed", "rotation", "rotate_axis_angle", "value", "gradient", "method", "penalty_factor"}},
+      {"probe", {"name", "position"}}};
+  for (const auto& more : {load_keys("load"), region_keys("support")})
+    keys.insert(keys.end(), more.begin(), more.end());
+  return keys;
+}
+
 } // namespace
 
 const char* name_of(MassType mass) {
@@ -83,6 +97,7 @@ LightTreatment default_light_treatment(MassType mass) {
 
 TypedRun read_run_file(const std::filesystem::path& file) {
   io::SettingsTable root = io::SettingsTable::read(file);
+  root.expect_only(run_keys());
   TypedRun t;
   t.model = root.path("model");
   t.output = root.path("output");

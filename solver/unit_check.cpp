@@ -61,12 +61,12 @@ double wave_speed(double E, double rho) {
   return std::sqrt(E / rho);
 }
 
-// Of a solid, in SI.
+// Of a solid, in SI: the bounds of the header.
 bool is_solid(double E, double rho) {
-  constexpr double heavy = 2500, heavy_modulus = 1e9; // no soft solid is that dense
+  constexpr double dense = 2300, dense_modulus = 1e9, light = 1000, light_speed = 7000;
   const double c = wave_speed(E, rho);
-  return rho >= 1 && rho <= 25'000 && E >= 100 && E <= 1.5e12 && c >= 10 && c <= 20'000 &&
-         (rho <= heavy || E >= heavy_modulus);
+  return rho >= 10 && rho <= 25'000 && E >= 1000 && E <= 1.5e12 && c >= 10 && c <= 20'000 &&
+         (rho <= dense || E >= dense_modulus) && (rho >= light || c <= light_speed);
 }
 
 std::string_view common_name(std::string_view label) {
@@ -94,16 +94,44 @@ std::string_view common_name(std::string_view label) {
   return label;
 }
 
-// The units in which the numbers make the likeliest solid: its wave speed nearest to that of most.
+struct Solid {
+  double E, rho; // Pa, kg/m³
+};
+// What parts are made of most: steel, copper, titanium, aluminium, magnesium, concrete, laminates, plastics, wood,
+// rubber, foam.
+constexpr std::array<Solid, 14> common_solids{{{210e9, 7850},
+                                               {120e9, 8960},
+                                               {114e9, 4430},
+                                               {70e9, 2700},
+                                               {45e9, 1740},
+                                               {30e9, 2400},
+                                               {150e9, 1600},
+                                               {40e9, 1900},
+                                               {3e9, 1150},
+                                               {0.5e9, 950},
+                                               {11e9, 600},
+                                               {3e6, 1100},
+                                               {50e6, 60},
+                                               {3e6, 20}}};
+
+// How far a solid is from the nearest common one: factors of the modulus, and of the density, which varies less.
+double rarity(double E, double rho) {
+  constexpr double weight_of_density = 3;
+  double least = HUGE_VAL;
+  for (const Solid& s : common_solids)
+    least = std::min(least, std::hypot(std::log(E / s.E), weight_of_density * std::log(rho / s.rho)));
+  return least;
+}
+
+// The units in which the numbers make the likeliest solid.
 std::string meant(const std::vector<const UnitSet*>& sets, double E, double rho) {
-  constexpr double usual_speed = 3000;
   double least = HUGE_VAL;
   const Unit *modulus = nullptr, *density = nullptr;
   for (const Unit& e : moduli)
     for (const Unit& r : densities) {
-      const double c = wave_speed(E * e.si, rho * r.si);
-      if (!is_solid(E * e.si, rho * r.si) || std::abs(std::log(c / usual_speed)) >= least) continue;
-      least = std::abs(std::log(c / usual_speed));
+      const double rare = rarity(E * e.si, rho * r.si);
+      if (!is_solid(E * e.si, rho * r.si) || rare >= least) continue;
+      least = rare;
       modulus = &e;
       density = &r;
     }

@@ -105,7 +105,7 @@ void write_fields(const std::filesystem::path& path, double time, const std::vec
 }
 
 std::vector<BodyMesh> read_body_meshes(const std::filesystem::path& path, const std::vector<std::string>& names) {
-  const H5Reader file(path);
+  const H5Reader file(path, H5Reader::Writer::H5Writer);
   expect_format(file, field::format, field::format_major, field::format_version);
   std::vector<BodyMesh> bodies;
   for (const std::string& name : names) {
@@ -130,7 +130,7 @@ std::vector<BodyMesh> read_body_meshes(const std::filesystem::path& path, const 
 }
 
 std::vector<BodyFields> read_fields(const std::filesystem::path& path, const std::vector<BodyMesh>& meshes) {
-  const H5Reader file(path);
+  const H5Reader file(path, H5Reader::Writer::H5Writer);
   expect_format(file, field::format, field::format_major, field::format_version);
   std::vector<BodyFields> bodies;
   for (const BodyMesh& mesh : meshes) {

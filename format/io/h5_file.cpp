@@ -66,9 +66,18 @@ H5Id property_id(hid_t id) {
   return {id, H5Pclose};
 }
 
-// The library prints its own stack unless told otherwise, once per thread; and at exit it would try once more to write
-// files that could not be closed.
+// HDF5 1.10.8 follows null pointers where it lacks memory for the tables of a file that it opens or makes.
+void expect_memory_for_a_file() {
+  constexpr std::size_t room = 16 * chunk_bytes;
+  void* memory = mmap(nullptr, room, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (memory == MAP_FAILED) throw std::bad_alloc();
+  munmap(memory, room);
+}
+
+// To be called before a file is opened or made. The library prints its own stack unless told otherwise, once per
+// thread; and at exit it would try once more to write files that could not be closed.
 void prepare_library() {
+  expect_memory_for_a_file();
   [[maybe_unused]] static const herr_t once = H5dont_atexit();
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
@@ -429,7 +438,7 @@ void H5Writer::commit() {
 // ----------------------------------------------------------------------------------------------------------------
 // reading
 
-H5Reader::H5Reader(const std::filesystem::path& path) : name_(path.string()) {
+H5Reader::H5Reader(const std::filesystem::path& path, Writer writer) : name_(path.string()) {
   prepare_library();
   std::error_code error;
   if (std::filesystem::is_directory(path, error))
@@ -443,7 +452,10 @@ H5Reader::H5Reader(const std::filesystem::path& path) : name_(path.string()) {
   if (H5Fis_hdf5(path.c_str()) == 0)
     throw FormatError(fmt::format("{}: is not an HDF5 file; expected a file made by igaprep", name_));
   file_ = {H5Fopen(path.c_str(), H5F_ACC_RDONLY, properties.get()), H5Fclose};
-  if (file_.get() >= 0) return;
+  if (file_.get() >= 0) {
+    if (writer == Writer::H5Writer) expect_checksums();
+    return;
+  }
   const std::string reason = library_reason();
   if (reason.find("already open for") != reason.npos)
     throw InputError(fmt::format("{}: is open for writing in another program, or was when that program was killed; "
@@ -452,6 +464,16 @@ H5Reader::H5Reader(const std::filesystem::path& path) : name_(path.string()) {
   if (reason.find("lock the file") != reason.npos)
     throw InputError(fmt::format("{}: {} ({})", name_, lock_advice, reason));
   refuse_damaged("/");
+}
+
+// From superblock 2 on, object headers have checksums.
+void H5Reader::expect_checksums() const {
+  H5F_info2_t info;
+  if (H5Fget_info2(file_.get(), &info) < 0) refuse_damaged("/");
+  if (info.super.version < 2)
+    refuse("/", fmt::format("has an HDF5 superblock of version {}, expected 2 or 3: igasolve writes no other, so the "
+                            "file is damaged or was rewritten by another program; make it again with igasolve",
+                            info.super.version));
 }
 
 void H5Reader::refuse(std::string_view path, std::string_view message) const {

@@ -95,8 +95,13 @@ class H5Writer {
 /// All functions throw FormatError with file, path, what was found and what was expected.
 class H5Reader {
  public:
+  /// Who may have written the file. Other programs write models, often in the layout of HDF5 1.6 (superblock 0, what
+  /// h5py makes unless told otherwise). Its object headers bear no checksum, and the library reads past its memory in
+  /// some that are damaged; so what only H5Writer writes is refused in that layout before an object is opened.
+  enum class Writer { Anyone, H5Writer };
+
   /// @throws InputError for a missing or unreadable file, FormatError for one that is no intact HDF5 file
-  explicit H5Reader(const std::filesystem::path& path);
+  explicit H5Reader(const std::filesystem::path& path, Writer writer = Writer::Anyone);
 
   /// Is there such a group or dataset?
   bool has(const std::string& path) const;
@@ -123,6 +128,7 @@ class H5Reader {
   H5Id open_dataset(const char* path) const;
   H5Id open_attribute(const char* object, const char* name) const;
   void expect_shape(const char* path, const Shape& found, const Shape& expected) const;
+  void expect_checksums() const;
   void expect_stored(const char* path, const H5Id& dataset) const;
   std::vector<std::string> read_texts(const std::string& path, const H5Id& object, bool is_attribute) const;
   [[noreturn]] void refuse_damaged(std::string_view path) const;

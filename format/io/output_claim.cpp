@@ -66,8 +66,22 @@ void refuse_other_writers(const ReplacementFile& mark) {
   }
 }
 
+// Else it would show when the finished file is put in place.
+void refuse_long_names(const OutputPlan& plan) {
+  for (const fs::path& output : plan.files) {
+    std::error_code error;
+    [[maybe_unused]] const fs::file_status status = fs::symlink_status(output, error);
+    if (error == std::errc::filename_too_long)
+      throw InputError(
+          fmt::format("{}: this output's name of {} bytes is too long for the file system; choose a shorter "
+                      "one",
+                      output.string(), output.filename().string().size()));
+  }
+}
+
 // Checked before the mark is made: making it asks for the folder.
 const fs::path& checked(const OutputPlan& plan, std::span<const fs::path> inputs) {
+  refuse_long_names(plan);
   refuse_replaced_inputs(plan, inputs);
   return plan.files.front();
 }

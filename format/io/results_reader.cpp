@@ -11,6 +11,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <new>
+#include <numbers>
 
 namespace iga::io {
 
@@ -34,6 +35,28 @@ void expect_ascending(const H5Reader& file, const DatasetText& text, const auto&
                                        fall - values.begin() + 1, *(fall + 1), *fall));
 }
 
+void expect_none_negative(const H5Reader& file, const DatasetText& text, const auto& values) {
+  const auto bad = std::find_if(values.begin(), values.end(), [](auto x) { return x < 0; });
+  if (bad != values.end())
+    file.refuse(text.path, fmt::format("value {} is {}, expected 0 or more", bad - values.begin(), *bad));
+}
+
+// The number of an attribute that is finite and not negative.
+double amount(const H5Reader& file, const char* object, const char* name) {
+  const auto value = file.number<double>(object, name);
+  if (!(value >= 0) || std::isinf(value))
+    file.refuse(fmt::format("{} attribute {}", object, name),
+                fmt::format("is {}, expected a finite number, 0 or more", value));
+  return value;
+}
+
+std::int64_t count(const H5Reader& file, const char* object, const char* name) {
+  const auto value = file.number<std::int64_t>(object, name);
+  if (value < 0)
+    file.refuse(fmt::format("{} attribute {}", object, name), fmt::format("is {}, expected 0 or more", value));
+  return value;
+}
+
 template <class T>
 void expect_range(const H5Reader& file, const DatasetText& text, const std::vector<T>& values, std::int64_t end) {
   const auto bad =
@@ -51,10 +74,10 @@ ResultsHeader read_header(const H5Reader& file) {
   h.model_sha256 = file.text(result::model, "sha256");
   const auto C = file.numbers<double>(result::material, "C", {6, 6});
   std::copy(C.begin(), C.end(), h.stiffness.begin());
-  h.density = file.number<double>(result::material, "density");
+  h.density = amount(file, result::material, "density");
   h.light_functions = file.text(result::functions, "light_functions");
-  h.light_threshold = file.number<double>(result::functions, "light_threshold");
-  h.unknowns = file.number<std::int64_t>(result::functions, "unknowns");
+  h.light_threshold = amount(file, result::functions, "light_threshold");
+  h.unknowns = count(file, result::functions, "unknowns");
   h.provenance = read_provenance(file);
   return h;
 }
@@ -71,20 +94,44 @@ std::vector<double> read_field(const H5Reader& file, const DatasetText& text, st
 
 FieldSamples read_fields(const H5Reader& file, const result::FieldText& text, std::int64_t points,
                          std::optional<std::int64_t> steps = {}) {
-  return {read_field(file, text.displacement, points, 3, steps), read_field(file, text.strain, points, 6, steps),
-          read_field(file, text.stress, points, 6, steps), read_field(file, text.von_mises, points, 1, steps)};
+  FieldSamples fields{read_field(file, text.displacement, points, 3, steps),
+                      read_field(file, text.strain, points, 6, steps), read_field(file, text.stress, points, 6, steps),
+                      read_field(file, text.von_mises, points, 1, steps)};
+  expect_none_negative(file, text.von_mises, fields.von_mises);
+  return fields;
+}
+
+// f = ω / 2π, and elastic modes ascend.
+void expect_same_modes(const H5Reader& file, const EigenResult& e) {
+  constexpr double rounding = 1e-12; // of a square root and a division, with room
+  double before = 0;
+  for (std::size_t m = 0; m < e.kind.size(); ++m) {
+    if (e.kind[m] != EigenResult::Elastic) continue;
+    const double omega = 2 * std::numbers::pi * e.frequencies[m], squared = std::max(e.omega_squared[m], 0.0);
+    if (!(std::abs(omega * omega - squared) <= rounding * squared))
+      file.refuse(result::omega_squared.path, fmt::format("value {} is {}, expected (2π f)² = {} of {}", m,
+                                                          e.omega_squared[m], omega * omega, result::frequencies.path));
+    if (e.frequencies[m] < before)
+      file.refuse(
+          result::frequencies.path,
+          fmt::format("value {} is {}, expected at least {} of the elastic mode before", m, e.frequencies[m], before));
+    before = e.frequencies[m];
+  }
 }
 
 EigenResult read_eigen(const H5Reader& file, std::int64_t num_functions) {
   EigenResult e;
   e.mass = file.text(result::eigen, "mass");
-  e.complete_below = file.number<double>(result::eigen, "complete_below");
+  e.complete_below = amount(file, result::eigen, "complete_below");
   const std::int64_t n = rows_of(file, result::frequencies);
   e.frequencies = finite(file, result::frequencies, {n});
   e.omega_squared = finite(file, result::omega_squared, {n});
   e.residuals = finite(file, result::residuals, {n});
+  expect_none_negative(file, result::frequencies, e.frequencies);
+  expect_none_negative(file, result::residuals, e.residuals);
   e.kind = file.enums(result::kind.path, {n}, result::kinds);
   expect_range(file, result::kind, e.kind, static_cast<std::int64_t>(result::kinds.size()));
+  expect_same_modes(file, e);
   e.modes = finite(file, result::modes, {n, num_functions, 3});
   return e;
 }
@@ -161,6 +208,8 @@ template <class Thing>
 void read_named(const H5Reader& file, const result::NamedGroup& group, std::vector<Thing>& things) {
   if (!file.has(group.path)) return;
   for (std::string& name : file.strings(group.names.path)) {
+    if (std::any_of(things.begin(), things.end(), [&](const Thing& other) { return other.name == name; }))
+      file.refuse(group.names.path, fmt::format("names '{}' twice, expected each name once", name));
     const std::string path = fmt::format("{}/{}", group.path, name);
     if (!file.has(path)) file.refuse(path, "is missing; expected a group");
     things.emplace_back();
@@ -196,9 +245,9 @@ std::vector<BodyResult> read_bodies(const H5Reader& file) {
     body.law = file.text(path.c_str(), "law");
     body.mass = file.text(path.c_str(), "mass");
     body.light_functions = file.text(path.c_str(), "light_functions");
-    body.light_threshold = file.number<double>(path.c_str(), "light_threshold");
-    body.unknowns = file.number<std::int64_t>(path.c_str(), "unknowns");
-    body.density = file.number<double>(path.c_str(), "density");
+    body.light_threshold = amount(file, path.c_str(), "light_threshold");
+    body.unknowns = count(file, path.c_str(), "unknowns");
+    body.density = amount(file, path.c_str(), "density");
   }
   return bodies;
 }
@@ -220,6 +269,7 @@ SurfaceResult read_surface(const H5Reader& file) {
   o.mesh.vertices = in_rows<Point3>(finite(file, result::vertices, {num_vertices, 3}));
   o.parameters = finite(file, result::vertex_parameters, {num_vertices, 3});
   o.span = read<std::int64_t>(file, result::vertex_span, num_vertices);
+  expect_none_negative(file, result::vertex_span, o.span);
   const auto corners = read<std::int32_t>(file, result::triangles, num_triangles, 3);
   expect_range(file, result::triangles, corners, num_vertices);
   o.mesh.triangles = in_rows<Triangle>(corners);
@@ -239,6 +289,7 @@ Results load(const H5Reader& file) {
   r.header.provenance = read_provenance(file);
   const std::int64_t num_functions = rows_of(file, result::active_functions);
   r.active_functions = read<std::int64_t>(file, result::active_functions, num_functions);
+  expect_none_negative(file, result::active_functions, r.active_functions);
   expect_ascending(file, result::active_functions, r.active_functions);
   const auto& analysis = r.header.analysis;
   const std::array<std::pair<const char*, const char*>, 3> parts{
@@ -264,7 +315,7 @@ bool holds_results(const std::filesystem::path& path) {
 }
 
 Results read_results(const std::filesystem::path& path) {
-  const H5Reader file(path);
+  const H5Reader file(path, H5Reader::Writer::H5Writer);
   try {
     return load(file);
   } catch (const std::bad_alloc&) {

@@ -5,9 +5,11 @@
 #include "format/model/errors.hpp"
 
 #include <csignal>
+#include <filesystem>
 #include <fmt/format.h>
 #include <iostream>
 #include <new>
+#include <string_view>
 #include <system_error>
 
 namespace iga::io {
@@ -15,9 +17,8 @@ namespace iga::io {
 namespace {
 
 const std::string memory_text =
-    "error: the free memory of this machine (or the limit set for this process) is not enough; choose larger spans or "
-    "a "
-    "lower degree, close other programs, or use a machine with more memory";
+    "error: out of memory: the free memory of this machine (or the limit set for this process) is not enough; choose "
+    "larger spans or a lower degree, close other programs, or use a machine with more memory";
 
 } // namespace
 
@@ -42,6 +43,8 @@ int run_tool(const std::string& name, const std::function<int()>& work) {
     return fail(128 + pending_signal(), "interrupted; no file was changed");
   } catch (const ReaderGone&) {
     return 128 + SIGPIPE;
+  } catch (const std::filesystem::filesystem_error& error) {
+    return fail(exit_input, fmt::format("error: {}: {}", error.path1().string(), error.code().message()));
   } catch (const std::system_error& error) {
     // A thread that cannot be started lacks the memory for its stack.
     const bool no_memory =
@@ -50,6 +53,8 @@ int run_tool(const std::string& name, const std::function<int()>& work) {
   } catch (const std::bad_alloc&) {
     return fail(exit_input, memory_text);
   } catch (const std::exception& error) {
+    // TBB's words for a thread that cannot be started.
+    if (std::string_view(error.what()).starts_with("pthread_create has failed")) return fail(exit_input, memory_text);
     return fail(exit_our_bug,
                 fmt::format("internal error: {}\nThis is a fault of the program, not of your input: please "
                             "report it with the command line and the input file.",

@@ -31,8 +31,8 @@ void check_targets(const ExplicitCommand& command, const ExplicitRun& run, const
   if (command.restart) {
     for (const auto& file : {restart, output})
       if (!std::filesystem::exists(file))
-        throw InputError(fmt::format(
-            "{}: there is nothing to go on with: no such file; start the run without --restart", file.string()));
+        throw InputError(
+            fmt::format("{}: no restart: there is no such file; start the run without --restart", file.string()));
     return;
   }
   io::check_results_target(output, command.force);
@@ -147,11 +147,11 @@ int run_explicit(const ExplicitCommand& command) {
       throw InputError(fmt::format("{}: holds no explicit run to go on with", output.string()));
     try {
       scene.load(restart->state, restart->limits);
+      recorder.resume(std::move(*before.time_series), static_cast<std::size_t>(restart->rows), restart->sums);
+      outputs.resume(*before.fields, static_cast<std::size_t>(restart->fields));
     } catch (const InputError& error) {
       throw InputError(fmt::format("{}: {}", restart_path(output).string(), error.what()));
     }
-    recorder.resume(std::move(*before.time_series), static_cast<std::size_t>(restart->rows), restart->sums);
-    outputs.resume(*before.fields, static_cast<std::size_t>(restart->fields));
     loop.resume();
   } else {
     scene.check_start();

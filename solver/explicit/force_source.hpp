@@ -23,7 +23,7 @@ struct SavedArray {
   bool operator==(const SavedArray&) const = default;
 };
 
-/// Forces of springs that belong to no body: contact, supports by penalty. They keep their own books.
+/// Forces of springs that belong to no body: contact, supports by penalty. They keep account of their own energy.
 class PenaltySource {
  public:
   virtual ~PenaltySource() = default;
@@ -46,7 +46,7 @@ class PenaltySource {
   virtual void load(std::span<const SavedArray>) {}
 };
 
-/// Forces that are given, whatever hangs on them: tractions, pressures, point loads. The integrator books their work.
+/// Forces that are given, whatever hangs on them: tractions, pressures, point loads. The integrator sums their work.
 class LoadSource {
  public:
   virtual ~LoadSource() = default;
@@ -64,7 +64,7 @@ struct ConstrainedBody {
 };
 
 /// Rules that velocities obey exactly: regions that move as given, by lumped projection. No stiffness, so the time step
-/// does not feel them. What they do is booked as a load: the trapezoidal work of the reaction is external work.
+/// does not feel them. What they do counts as a load: the trapezoidal work of the reaction is external work.
 class ConstraintSource {
  public:
   virtual ~ConstraintSource() = default;

@@ -1,4 +1,4 @@
-// Central differences in time: several bodies, one step for all, and the books of energy and momentum.
+// Central differences in time: several bodies, one step for all, and the accounts of energy and momentum.
 #pragma once
 
 #include "solver/explicit/energy_balance.hpp"
@@ -12,7 +12,7 @@ struct IntegratorSettings {
   double end_time = 0;
   double safety = 0.9;   ///< of the critical step; 0.67 for violent crushing
   double largest_dt = 0; ///< 0: no other limit than stability
-  /// A step that followed every breath of the body would pump energy into it. It shrinks at once where it must, and
+  /// A step that follows each oscillation of the body adds energy to it. So it shrinks at once where it must, and
   /// grows only to what has been allowed throughout this many steps, at most by `growth` from one to the next.
   int hold = 200;
   double growth = 1.02;
@@ -38,7 +38,7 @@ struct StepControl {
   std::int64_t count = 0;             ///< steps of that one
 };
 
-/// Time, step and books of a run.
+/// Time, step, energies and momenta of a run.
 struct Progress {
   double time = 0, dt_last = 0, dt_next = 0;
   double kinetic = 0; ///< of the bodies

@@ -1,4 +1,4 @@
-// The half of a step that belongs to the nodes: momentum, velocity, and what the books need, in one sweep over memory.
+// The half of a step that belongs to the nodes: momentum, velocity, and their energy, in one sweep over memory.
 #pragma once
 
 #include "solver/explicit/explicit_body.hpp"

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <limits>
 #include <map>
 #include <set>
@@ -66,8 +67,21 @@ void write_numbers(io::H5Writer& file, const std::string& path, const std::vecto
   io::write(file, {path.c_str(), "mixed", "as the program keeps them", "state of the run"}, values);
 }
 
+// Infinite numbers are limits that nothing has reached yet; no state is not-a-number.
 std::vector<double> read_numbers(const io::H5Reader& file, const std::string& path) {
-  return file.dataset<double>(path.c_str(), {file.shape(path.c_str(), 1)[0]});
+  auto values = file.dataset<double>(path.c_str(), {file.shape(path.c_str(), 1)[0]});
+  const auto bad = std::find_if(values.begin(), values.end(), [](double x) { return std::isnan(x); });
+  if (bad != values.end())
+    file.refuse(path, fmt::format("number {} is not-a-number, expected a number", bad - values.begin()));
+  return values;
+}
+
+std::vector<double> read_finite(const io::H5Reader& file, const std::string& path) {
+  auto values = read_numbers(file, path);
+  const auto bad = std::find_if(values.begin(), values.end(), [](double x) { return std::isinf(x); });
+  if (bad != values.end())
+    file.refuse(path, fmt::format("number {} is {}, expected a finite one", bad - values.begin(), *bad));
+  return values;
 }
 
 // Takes numbers off the front of a list.
@@ -210,7 +224,7 @@ void write_restart(const std::filesystem::path& path, const RestartState& r) {
 }
 
 RestartState read_restart(const std::filesystem::path& path) {
-  const io::H5Reader file(path);
+  const io::H5Reader file(path, io::H5Reader::Writer::H5Writer);
   io::expect_format(file, format, format_major, format_version);
   const char* root = io::names::root;
   RestartState r;
@@ -229,7 +243,7 @@ RestartState read_restart(const std::filesystem::path& path) {
   Take take(file, "/numbers");
   for_each_number(r.state, take);
   take.expect_end();
-  r.sums = read_numbers(file, "/sums");
+  r.sums = read_finite(file, "/sums");
   for (const std::string& name : file.strings("/body_names")) {
     const std::string group = "/bodies/" + name + "/";
     r.limits.emplace_back();
@@ -239,12 +253,8 @@ RestartState read_restart(const std::filesystem::path& path) {
     for_each_limit_number(r.limits.back(), own);
     for_each_body_number(r.state.bodies.back(), own);
     own.expect_end();
-    for_each_array(r.state.bodies.back(), [&](const char* array, std::vector<double>& to) {
-      to = read_numbers(file, group + array);
-      const auto bad = std::find_if(to.begin(), to.end(), [](double x) { return !std::isfinite(x); });
-      if (bad != to.end())
-        file.refuse(group + array, fmt::format("number {} is {}, expected a finite one", bad - to.begin(), *bad));
-    });
+    for_each_array(r.state.bodies.back(),
+                   [&](const char* array, std::vector<double>& to) { to = read_finite(file, group + array); });
   }
   for (const std::string& name : file.strings("/source_names"))
     r.state.sources.push_back({name, read_numbers(file, "/" + name), 0});
@@ -269,6 +279,12 @@ std::vector<std::string> check_restart(const RestartState& restart, const Explic
                                    run.file.string(), change.line > 0 ? fmt::format(":{}", change.line) : "", what));
     told += (told.empty() ? "" : "; ") + what;
   }
+  std::vector<std::string> bodies, saved;
+  for (const auto& body : run.bodies) bodies.push_back(body.body.name);
+  for (const auto& body : restart.state.bodies) saved.push_back(body.name);
+  if (saved != bodies)
+    throw InputError(fmt::format("{}: /body_names: found {}, expected {}; the restart file belongs to another run",
+                                 path.string(), fmt::join(saved, ", "), fmt::join(bodies, ", ")));
   if (inputs.size() != restart.inputs.size())
     throw InputError(
         fmt::format("{}: /input_names: found {} files, expected {}; the restart file belongs to another run",

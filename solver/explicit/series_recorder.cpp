@@ -157,7 +157,7 @@ void SeriesRecorder::resume(TimeSeries rows, std::size_t count, const std::vecto
     return paths;
   };
   if (sums.size() != impulses_.size())
-    throw InputError(fmt::format("sums: found {} numbers in the restart file, expected {}; restart with the files that "
+    throw InputError(fmt::format("/sums: found {} numbers, expected {}; restart with the files that "
                                  "the run began with",
                                  sums.size(), impulses_.size()));
   if (shape(rows) != shape(series_))

@@ -162,7 +162,8 @@ class Files(unittest.TestCase):
                 with self.subTest(arguments=arguments, output=output):
                     done = self.run_tool(tool, *arguments, "-o", output, "--force", code=2)
                     self.assertIn("error: ", done.stderr)
-                    self.assertIn(output, done.stderr)
+                    # of missing/out.h5 the folder is named; explicit runs name any of their outputs
+                    self.assertIn("missing" if "missing" in output else output[:200], done.stderr)
         self.expect_nothing_left()
 
     def test_long_names(self):
@@ -299,8 +300,9 @@ class Files(unittest.TestCase):
                 time.sleep(choose.uniform(0, 0.3))
                 process.kill()
                 process.communicate()
-                left = [p.name for p in self.path.rglob(".*") if "iga-tmp" in p.name]
-                self.assertLessEqual(len(left), 2, "the mark of the run, and one file that was being written")
+                left = [p.name for p in self.path.rglob(".*") if f"-{process.pid}-" in p.name]
+                self.assertLessEqual(len(left), 1 + os.cpu_count(),
+                                     f"the mark of the run, and files that its threads were writing: {left}")
             self.run_tool(tool, *arguments, "-o", output, "--force", code=0)
             self.expect_nothing_left()
 
@@ -346,14 +348,19 @@ class Files(unittest.TestCase):
 
     def test_little_memory(self):
         """At ten limits of address space each command ends, in time, with its result or with words about memory."""
-        for tool, arguments, output in [*self.commands(), (IGASOLVE, ["check", "part.h5"], None)]:
-            for mib in (20, 40, 60, 80, 100, 150, 200, 300, 500, 1000):
+        (self.path / "static.toml").write_text('model = "part.h5"\nmaterial = { E = 210, nu = 0.3 }\n[[support]]\nplane = '
+                                               "{ point = [0, 0, 0], normal = [0, 0, 1] }\n[[load]]\nbody_force = [0, 0, 1]\n")
+        commands = [*self.commands(), (IGASOLVE, ["static", "static.toml"], "static.h5"),
+                    (IGASOLVE, ["check", "part.h5"], None), (IGASOLVE, ["info", "part.h5"], None)]
+        for tool, arguments, output in commands:
+            for mib in (60, 80, 97, 110, 150, 200, 300, 500, 1000, 4000):
                 limit = lambda: resource.setrlimit(resource.RLIMIT_AS, (mib << 20, mib << 20))  # noqa: E731
                 target = ["-o", output, "--force"] if output else []
                 with self.subTest(arguments=arguments, mib=mib):
                     done = self.run_tool(tool, *arguments, *target, preexec_fn=limit)
-                    if done.returncode == 127 or "error while loading shared libraries" in done.stderr:
-                        continue  # the system could not even start the program
+                    if "error while loading shared libraries" in done.stderr or \
+                            done.returncode == 130 and "blas_thread_init" in done.stderr:
+                        continue  # the program could not even be loaded
                     self.assertIn(done.returncode, (0, 2), done.stderr)
                     if done.returncode == 2:
                         self.assertIn("memory", done.stderr)

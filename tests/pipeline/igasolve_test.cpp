@@ -181,6 +181,10 @@ struct IgasolveRefuses : testing::TestWithParam<Case> {
     write_bytes(folder / "cut.h5", read_bytes(folder / "cube.h5").substr(0, 3000));
     const std::string head = "model = \"cube.h5\"\n[material]\nE = 1\nnu = 0.3\nrho = 1\n";
     write_bytes(folder / "unknown.toml", head + "[eigen]\nmods = 3\n");
+    write_bytes(folder / "load.toml", head +
+                                          "[[support]]\nwhole_surface = true\n[[load]]\nname = \"heat\"\ntemperature "
+                                          "= 40\n");
+    write_bytes(folder / "support.toml", head + "[[support]]\nplain.point = [0, 0, 0]\n");
     write_bytes(folder / "type.toml", head + "[eigen]\nmodes = \"three\"\n");
     write_bytes(folder / "units.toml", "units = \"inch\"\n" + head);
     write_bytes(
@@ -244,6 +248,8 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"MissingRunFile", {"eigen", "absent.toml"}, 2, {"absent.toml"}},
         Case{"UnknownFlag", {"eigen", "cube.h5", "--mods", "3"}, 2, {"--mods", "--modes"}},
         Case{"UnknownKey", {"eigen", "unknown.toml"}, 2, {"unknown.toml:7", "mods", "modes"}},
+        Case{"UnknownKeyOfALoad", {"static", "load.toml"}, 2, {"load.toml:10", "temperature", "[load]"}},
+        Case{"UnknownKeyOfASupport", {"static", "support.toml"}, 2, {"support.toml:7", "plain", "plane"}},
         Case{"WrongType", {"eigen", "type.toml"}, 2, {"type.toml:7", "modes", "\"three\"", "integer"}},
         Case{"OtherUnits", {"eigen", "units.toml"}, 2, {"inch", "mm"}},
         Case{"Incompressible", {"eigen", "cube.h5", "--nu", "0.5"}, 2, {"nu = 0.5", "incompressible"}},

@@ -3,6 +3,9 @@
 #include "format/model/time_series.hpp"
 #include "format/model/vec3.hpp"
 
+#include <cmath>
+#include <numbers>
+
 namespace iga::test {
 
 namespace {
@@ -54,6 +57,8 @@ EigenResult make_eigen(const TrimmedModel& model) {
   e.frequencies = {0, 0, 0, 0, 0, 0, 0, 3.5, 7};
   e.kind = {0, 0, 0, 0, 0, 0, 2, 1, 1};
   e.omega_squared = counted(9, -1e-3);
+  for (const std::size_t elastic : {7, 8})
+    e.omega_squared[elastic] = std::pow(2 * std::numbers::pi * e.frequencies[elastic], 2);
   e.residuals = counted(9, 1e-9);
   for (int mode = 0; mode < 9; ++mode) append_coefficients(e.modes, model, mode);
   return e;

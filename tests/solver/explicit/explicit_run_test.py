@@ -330,7 +330,7 @@ class ExplicitRunTest(unittest.TestCase):
             file["notes"] = "changed"
         done = self.solve("changing.toml", "changed.h5", "--restart", code=2)
         self.assertRegex(done.stderr, "changing.toml:5: 'model' in .bodies.: changing.h5 changed since the run began")
-        self.assertIn("nothing to go on with", self.solve("run.toml", "never.h5", "--restart", code=2).stderr)
+        self.assertIn("no restart: there is no such file", self.solve("run.toml", "never.h5", "--restart", code=2).stderr)
 
     def expect_blow_up(self, text, *words):
         (self.path / "bad.toml").write_text(text)
