@@ -7,6 +7,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <numbers>
+#include <random>
 
 namespace iga::prep {
 namespace {
@@ -223,6 +224,33 @@ TEST(Gaps, AForksSlot) {
   // Wide enough, or so shallow that the bottom connects the sides within any support.
   EXPECT_FALSE(measure(fork(3, 8), spans_of(1)).gap);
   EXPECT_FALSE(measure(fork(0.5, 1), spans_of(1)).gap);
+}
+
+// Plates of random thickness, gap and turn at p = 1 … 3: both are told exactly where they are below what is wanted.
+TEST(WallsAndGaps, OfRandomPlatesAreRight) {
+  std::mt19937 random(7);
+  const auto uniform = [&](double low, double high) { return std::uniform_real_distribution(low, high)(random); };
+  for (int k = 0; k < 24; ++k) {
+    const int p = 1 + k % 3;
+    const double thickness = uniform(0.3, 4), gap = std::pow(10, uniform(-1, 0.6));
+    const Rotation R = k % 4 == 0 ? identity_rotation : rotation(uniform(0, 90), uniform(0, 90));
+    PartOptions options = spans_of(1, uniform(0, 1), R);
+    options.degree = p;
+    const Found found = measure(
+        join({box({0, 0, 0}, {8, 7, thickness}), box({0, 0, thickness + gap}, {8, 7, 2 * thickness + gap})}), options);
+    SCOPED_TRACE(testing::Message() << "p = " << p << ", thickness " << thickness << ", gap " << gap);
+    const double wanted = 0.95 * std::max(4 - p, 1);
+    const double reach = gap / ((p + 1) * (std::abs(R[2][0]) + std::abs(R[2][1]) + std::abs(R[2][2])));
+    EXPECT_EQ(found.walls.thinnest.has_value(), thickness < wanted);
+    if (found.walls.thinnest) {
+      EXPECT_NEAR(found.walls.thinnest->thickness, thickness, 1e-9);
+    }
+    EXPECT_EQ(found.gap.has_value(), reach < 0.75);
+    if (found.gap) {
+      EXPECT_NEAR(found.gap->width, gap, 1e-9);
+      EXPECT_NEAR(found.gap->span_size, reach, 1e-9);
+    }
+  }
 }
 
 TEST(Gaps, BoresAndHollowsAreNone) {
