@@ -4,6 +4,7 @@ fault has a message and its documented exit code.
 usage: files_test.py SOURCE_DIR IGAPREP IGASOLVE"""
 import os
 import random
+import re
 import resource
 import shutil
 import signal
@@ -366,6 +367,18 @@ class Files(unittest.TestCase):
                         self.assertIn("memory", done.stderr)
                         self.assertNotIn("damaged", done.stderr)
                     self.expect_nothing_left()
+
+    def test_the_need_is_told_before(self):
+        """What info estimates is what an analysis takes, within a factor of 1.5."""
+        self.run_tool(IGAPREP, "part.stl", "--degree", "2", "--spans", "12", "-o", "larger.h5", code=0)
+        told = re.search(r"eigen needs about ([0-9.]+) GiB", self.run_tool(IGASOLVE, "info", "larger.h5", code=0).stdout)
+        process = self.start(IGASOLVE, "eigen", "larger.h5", *STEEL[:-1], "10", "--quiet")
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        process.communicate()
+        self.assertEqual(process.returncode, 0)
+        ratio = usage.ru_maxrss / 2**20 / float(told.group(1))
+        self.assertTrue(1 / 1.5 < ratio < 1.5, f"took {ratio:.2f} times what was told")
 
 
 if __name__ == "__main__":

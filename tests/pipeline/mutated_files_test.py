@@ -161,6 +161,23 @@ class MutatedFiles(unittest.TestCase):
         self.attack("restart", "out_restart.h5", ["explicit", "run.toml", "-o", "out.h5", "--restart", "--quiet"])
 
 
+    def test_files_without_checksums(self):
+        """h5py writes superblock 0 unless told otherwise: models are read, files that only igasolve writes are refused."""
+        for name, code, command in (("part.h5", 0, ["check", "part.h5"]), ("modes.h5", 3, ["check", "modes.h5"]),
+                                    ("out_restart.h5", 3, ["explicit", "run.toml", "-o", "out.h5", "--restart"])):
+            with tempfile.TemporaryDirectory() as folder:
+                shutil.copytree(self.sound, folder, dirs_exist_ok=True)
+                with h5py.File(self.sound / name) as old, h5py.File(Path(folder) / name, "w") as new:
+                    for key in old:
+                        old.copy(key, new)
+                    for key, value in old.attrs.items():
+                        new.attrs[key] = value
+                done = subprocess.run([str(IGASOLVE), *command], cwd=folder, capture_output=True, text=True, timeout=60)
+                self.assertEqual(done.returncode, code, done.stderr)
+                if code:
+                    self.assertRegex(done.stderr, f"{name}: /: has an HDF5 superblock of version 0, expected 2 or 3")
+
+
 def limits():
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
