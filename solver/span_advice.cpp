@@ -51,8 +51,8 @@ double rounded_down(double value) {
   return std::floor(value / unit) * unit;
 }
 
-} // namespace
-
+// Twice the volume over the area of surface of some active spans: the thickness of a wall, half that of a square bar.
+// Length; infinite where they hold no surface.
 double wall_thickness(const TrimmedModel& model, const std::vector<std::int64_t>& spans) {
   double area = 0;
   const auto& q = model.surface.quadrature;
@@ -61,6 +61,8 @@ double wall_thickness(const TrimmedModel& model, const std::vector<std::int64_t>
       area += q.weights[static_cast<std::size_t>(s)];
   return area > 0 ? 2 * volume_of(model, spans) / area : std::numeric_limits<double>::infinity();
 }
+
+} // namespace
 
 std::string span_advice(const TrimmedModel& model, const std::vector<std::int64_t>& chosen) {
   const std::vector<std::int64_t> spans = chosen.empty() ? all_spans(model) : chosen;

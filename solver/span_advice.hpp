@@ -8,10 +8,6 @@
 
 namespace iga::solve {
 
-/// Twice the volume over the area of surface of some active spans: the thickness of a wall, half that of a square bar.
-/// Length; infinite where they hold no surface.
-double wall_thickness(const TrimmedModel& model, const std::vector<std::int64_t>& spans);
-
 /// "its walls are about 0.1 thick, its spans measure …; igaprep --span-size … puts two spans across them"; empty where
 /// a wall holds two spans.
 /// @param spans  active spans of the part, positions in model.active; empty: all
