@@ -19,8 +19,8 @@ constexpr double entry_allowance = 1.5;
 // … and this much for rounding, in spans.
 constexpr double entry_rounding = 1e-6;
 // What begins to touch when the step has become shorter gets stiffer springs: those of a step longer than the present
-// one by this, so that a step that breathes leaves them as they are.
-constexpr double breath = 1.1;
+// one by this, so that a step that varies a little leaves them as they are.
+constexpr double step_margin = 1.1;
 
 constexpr std::size_t numbers_of_touch = 15; // that a restart keeps
 
@@ -180,7 +180,7 @@ void ContactModel::find(std::span<const BodyState> bodies, const StepTimes& time
   pair_of_.clear();
   springs_.clear();
   // A single step cut short, as the last one of a run, says nothing.
-  const double shorter = reference_dt_ / (breath * std::max(times.dt, times.dt_last));
+  const double shorter = reference_dt_ / (step_margin * std::max(times.dt, times.dt_last));
   const double factor = std::max(1.0, shorter * shorter);
   std::vector<Memory> next;
   auto known = memory_.begin(); // both ascend

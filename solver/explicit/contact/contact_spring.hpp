@@ -1,4 +1,4 @@
-// The spring of one touch: its potential over the depth, and the books that keep it from giving back more than it got.
+// The spring of one touch: its potential over the depth, and the energy account that keeps it from giving back more than it took.
 #pragma once
 
 #include <algorithm>

@@ -8,7 +8,7 @@ namespace iga::solve {
 
 enum class InvertedPoints {
   Clamp, ///< the law is evaluated at smallest_J at most; what resists full crushing is added (compaction.hpp)
-  Erode, ///< no stress; the kernel takes the point out for good and books its energy
+  Erode, ///< no stress; the kernel takes the point out for good and accounts for its energy
   Stop   ///< no stress; the kernel ends the run
 };
 
