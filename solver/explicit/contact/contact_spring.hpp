@@ -1,5 +1,5 @@
-// The spring of one touch: its potential over the depth, and the energy account that keeps it from giving back more than
-// it took.
+// The spring of one touch: its potential over the depth, and the energy account that keeps it from giving back more
+// than it took.
 #pragma once
 
 #include <algorithm>
