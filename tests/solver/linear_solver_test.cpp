@@ -192,6 +192,6 @@ TEST(FreeMemory, RefusesWhatDoesNotFitWithTheEstimate) {
   EXPECT_NO_THROW(require_memory(cost, 1'000'000, 25.0 * 1024 * 1024 * 1024));
   EXPECT_THROW(require_memory(cost, 1'000'000, 8.0 * 1024 * 1024 * 1024), InputError);
   const std::string text = message_of([&] { require_memory(cost, 1'000'000, 8.0 * 1024 * 1024 * 1024); });
-  EXPECT_NE(text.find("24.00 GiB"), std::string::npos) << text;
-  EXPECT_NE(text.find("8.00 GiB"), std::string::npos) << text;
+  EXPECT_NE(text.find("24 GiB"), std::string::npos) << text;
+  EXPECT_NE(text.find("only 8 GiB"), std::string::npos) << text;
 }

@@ -327,6 +327,8 @@ ExplicitRun some_run() {
   run.file = "run.toml";
   run.settings = {{"bodies[1].edge_length", "4", 3}, {"bodies[1].model", "\"cube.h5\"", 4}, {"time.end", "8", 9}};
   run.inputs = {{"cube.h5", "run.toml:4: 'model' in [bodies]"}};
+  run.bodies.resize(1);
+  run.bodies[0].body.name = "cube";
   return run;
 }
 
@@ -349,6 +351,9 @@ TEST(RestartFile, BelongsToItsFiles) {
   EXPECT_NE(error.find("run.toml:4: 'model' in [bodies]: cube.h5 changed"), std::string::npos) << error;
   inputs.pop_back();
   EXPECT_NE(refusal(r, some_run(), inputs).find("/input_names: found 2 files, expected 1"), std::string::npos);
+  RestartState other = r;
+  other.state.bodies[0].name = "ball";
+  EXPECT_NE(refusal(other, some_run(), r.inputs).find("/body_names: found ball, expected cube"), std::string::npos);
   RestartState old = r;
   old.version = "0.0.1";
   EXPECT_NE(refusal(old, some_run(), r.inputs).find("written by igasolve 0.0.1, this is 1.2.3"), std::string::npos);
