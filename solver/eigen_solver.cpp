@@ -220,15 +220,18 @@ class Search {
     return found;
   }
 
+  // A and the first `count` columns of B; either may be without columns, then its rows do not count.
+  MatrixXd side_by_side(const MatrixXd& A, const MatrixXd& B, Index count) const {
+    MatrixXd both(problem_.mass->size(), A.cols() + count);
+    if (A.cols() > 0) both.leftCols(A.cols()) = A;
+    if (count > 0) both.rightCols(count) = B.leftCols(count);
+    return both;
+  }
+
   // Free motions and, where asked for, the pairs found, orthonormal in a product B, and B times these.
   std::pair<MatrixXd, MatrixXd> locked_motions(bool beside_found, Product product) const {
     const Index k = free_.vectors.cols(), m = beside_found ? pairs_.X.cols() : 0;
-    MatrixXd X(problem_.mass->size(), k + m), MX(problem_.mass->size(), k + m);
-    // Assigned block by block: a comma list refuses a first block of no columns.
-    X.leftCols(free_.vectors.cols()) = free_.vectors;
-    X.rightCols(m) = pairs_.X.leftCols(m);
-    MX.leftCols(free_.vectors.cols()) = free_.mass_vectors;
-    MX.rightCols(m) = pairs_.MX.leftCols(m);
+    MatrixXd X = side_by_side(free_.vectors, pairs_.X, m), MX = side_by_side(free_.mass_vectors, pairs_.MX, m);
     if (product == Product::Mass) return {std::move(X), std::move(MX)};
     VectorXd length(k + m); // of an eigenvector in K - σ M
     length << VectorXd::Constant(k, std::sqrt(-shift_)),
@@ -347,9 +350,7 @@ class Search {
     set_.lambda.resize(r + count);
     set_.lambda.head(free_.lambda.size()) = free_.lambda;
     set_.lambda.tail(count) = pairs_.lambda.head(count);
-    set_.vectors.resize(problem_.mass->size(), r + count);
-    set_.vectors.leftCols(free_.vectors.cols()) = free_.vectors;
-    set_.vectors.rightCols(count) = pairs_.X.leftCols(count);
+    set_.vectors = side_by_side(free_.vectors, pairs_.X, count);
     set_.kind.assign(static_cast<std::size_t>(r), ModeKind::Rigid);
     set_.kind.resize(static_cast<std::size_t>(r + floppy), ModeKind::Mechanism);
     set_.kind.resize(static_cast<std::size_t>(r + count), ModeKind::Elastic);
