@@ -1,5 +1,7 @@
 #include "preprocessor/gates.hpp"
 
+#include "format/model/rounded_down.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -17,19 +19,13 @@ std::string text(const Point3& p) {
   return fmt::format("({:.6g}, {:.6g}, {:.6g})", p[0], p[1], p[2]);
 }
 
-// To three digits, so that what is advised is never too large.
-double rounded_down(double value) {
-  const double unit = std::pow(10, std::floor(std::log10(value)) - 2);
-  return std::floor(value / unit * (1 + 1e-12)) * unit;
-}
-
 // What spans of a size do, or, where the solid would fill too many of them, something else.
 std::string span_advice(double size, double num_spans, const SplineGrid& grid, const char* effect,
                         const std::string& instead) {
   constexpr double too_many = 1e6;
   if (!(num_spans <= too_many)) return fmt::format("; that would take about {:.0e} spans: {}", num_spans, instead);
-  return fmt::format("; spans of at most {:.3g} {} (--span-size; about {:.2g} of them, now {:.4g})", rounded_down(size),
-                     effect, num_spans, fmt::join(grid.span_size(), " × "));
+  return fmt::format("; spans of at most {:.3g} {} (--span-size; about {:.2g} of them, now {:.4g})",
+                     rounded_down(size, 3), effect, num_spans, fmt::join(grid.span_size(), " × "));
 }
 
 // Position of a span's centre.
@@ -54,12 +50,10 @@ std::string leak_list(const SplineGrid& grid, const Trimming& trimming) {
 std::string next_step(const SurfaceTreatment& treatment) {
   if (treatment.wrapped)
     return "The surface has been wrapped already: choose another span size or --wrap-alpha, or mend the part where it "
-           "was "
-           "made.";
+           "was made.";
   if (treatment.repair)
     return "--repair did not mend this. Mend the part where it was made; as the last resort --wrap makes a closed "
-           "surface "
-           "around everything, which only approximates the part.";
+           "surface around everything, which only approximates the part.";
   return "Mend it with --repair: it closes holes, drops free sheets and keeps what is enclosed at least once.";
 }
 
@@ -168,12 +162,12 @@ std::vector<std::string> judge_gaps(const std::optional<NarrowGap>& gap, const W
             ": what lies on the two sides moves together there; choose smaller spans, or a file for each body, "
             "where the sides must move apart"};
   }
-  const auto p = grid.degree();
+  const auto degrees = grid.degree();
+  const int p = *std::max_element(degrees.begin(), degrees.end());
   std::string warning = fmt::format(
       "the narrowest gap is {:.4g} wide, {:.2g} spans, near {}: functions of degree {} are {} spans long, reach across "
       "it and tie its two sides together",
-      gap->width, gap->spans, text(gap->where), *std::max_element(p.begin(), p.end()),
-      *std::max_element(p.begin(), p.end()) + 1);
+      gap->width, gap->spans, text(gap->where), p, p + 1);
   if (!shared.empty()) warning += fmt::format(" ({})", shared);
   return {warning + span_advice(gap->span_size, gap->num_spans, grid, "keep them apart",
                                 "where the sides must move apart, give each body a file of its own or widen the gap in "

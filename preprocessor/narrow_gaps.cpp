@@ -156,9 +156,9 @@ std::optional<NarrowGap> find_narrow_gap(const TrimmedModel& model, const Triang
     });
     for (std::size_t i = first; i < last; ++i) {
       if (!is_gap[i - first]) continue;
-      const Point3 way = candidates[i].chord.way, h = model.grid.span_size(), c = in_spans(model.grid, way);
-      const double size = over_reach({c[0] * h[0], c[1] * h[1], c[2] * h[2]}, model.grid.degree());
-      return NarrowGap{norm(way), norm(c), samples[candidates[i].sample].x, size,
+      const Point3 way = candidates[i].chord.way;
+      const double size = over_reach(model.grid.along_axes(way), model.grid.degree());
+      return NarrowGap{norm(way), norm(in_spans(model.grid, way)), samples[candidates[i].sample].x, size,
                        model.quadrature.part_volume / std::pow(size, 3)};
     }
   }

@@ -54,31 +54,27 @@ void compare_moments(PrepReport& r) {
 
 // Walls and gaps that the spans are too coarse for; null where there are none.
 void add_walls_and_gaps(io::JsonObject& json, const PrepReport& r) {
-  constexpr double none = std::numeric_limits<double>::quiet_NaN();
-  if (const auto& w = r.walls.thinnest) {
-    io::JsonObject wall;
-    wall.add("thickness", w->thickness);
-    wall.add("spans", w->spans);
-    wall.add("where", w->where);
-    wall.add("taper", w->taper);
-    wall.add("span_size", w->span_size);
-    wall.add("num_spans", w->num_spans);
-    json.add("thinnest_wall", wall);
-  } else {
-    json.add("thinnest_wall", none);
-  }
+  const auto add = [&](const char* key, const auto& found, const auto& add_own) {
+    if (!found) {
+      json.add(key, std::numeric_limits<double>::quiet_NaN());
+      return;
+    }
+    io::JsonObject place;
+    add_own(place);
+    place.add("spans", found->spans);
+    place.add("where", found->where);
+    place.add("span_size", found->span_size);
+    place.add("num_spans", found->num_spans);
+    json.add(key, place);
+  };
+  const auto& wall = r.walls.thinnest;
+  add("thinnest_wall", wall, [&](io::JsonObject& own) {
+    own.add("thickness", wall->thickness);
+    own.add("taper", wall->taper);
+  });
   json.add("thin_wall_volume_share", r.walls.volume_share);
-  if (const auto& gap = r.narrowest_gap) {
-    io::JsonObject narrowest;
-    narrowest.add("width", gap->width);
-    narrowest.add("spans", gap->spans);
-    narrowest.add("where", gap->where);
-    narrowest.add("span_size", gap->span_size);
-    narrowest.add("num_spans", gap->num_spans);
-    json.add("narrowest_gap", narrowest);
-  } else {
-    json.add("narrowest_gap", none);
-  }
+  const auto& gap = r.narrowest_gap;
+  add("narrowest_gap", gap, [&](io::JsonObject& own) { own.add("width", gap->width); });
 }
 
 // What only the run knows that made the file.

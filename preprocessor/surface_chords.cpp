@@ -72,11 +72,8 @@ std::optional<Chord> first_chord(const TriangleMesh& mesh, const TriangleTree& t
 }
 
 Point3 in_spans(const SplineGrid& grid, const Point3& way) {
-  const Rotation& R = grid.rotation();
-  const Point3 h = grid.span_size();
-  Point3 c;
-  for (std::size_t d = 0; d < 3; ++d) c[d] = (R[0][d] * way[0] + R[1][d] * way[1] + R[2][d] * way[2]) / h[d];
-  return c;
+  const Point3 along = grid.along_axes(way), h = grid.span_size();
+  return {along[0] / h[0], along[1] / h[1], along[2] / h[2]};
 }
 
 } // namespace iga::prep

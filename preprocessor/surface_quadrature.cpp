@@ -23,14 +23,6 @@ constexpr double negligible_share = 1e-15;
 
 constexpr std::size_t pieces_per_task = 2048;
 
-// A direction in space seen from the grid's axes.
-Point3 to_grid_frame(const Rotation& R, const Point3& v) {
-  Point3 g{};
-  for (std::size_t d = 0; d < 3; ++d)
-    for (std::size_t r = 0; r < 3; ++r) g[d] += R[r][d] * v[r];
-  return g;
-}
-
 /// Unit normal and area of a mesh triangle; a triangle without area has a zero normal.
 struct Facet {
   Point3 normal{};      ///< in space
@@ -47,7 +39,7 @@ Facet make_facet(const SplineGrid& grid, const TriangleMesh& mesh, std::int32_t 
   f.area = 0.5 * twice_area;
   if (twice_area > 0)
     for (double& c : f.normal) c /= twice_area;
-  f.grid_normal = to_grid_frame(grid.rotation(), f.normal);
+  f.grid_normal = grid.along_axes(f.normal);
   return f;
 }
 

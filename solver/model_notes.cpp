@@ -39,10 +39,8 @@ std::optional<std::string> joined_bodies_warning(const SolutionSpace& space) {
            fmt::format("; they touch at ({:.6g}), where no span size keeps them apart", fmt::join(gap->from, ", "));
   // Across p + 1 spans along one axis of the grid no function reaches.
   double fits = 0;
-  const Rotation& R = model.grid.rotation();
-  const Point3 across = minus(gap->to, gap->from);
-  for (std::size_t d = 0; d < 3; ++d)
-    fits = std::max(fits, std::abs(dot({R[0][d], R[1][d], R[2][d]}, across)) / (degree[d] + 1));
+  const Point3 across = model.grid.along_axes(minus(gap->to, gap->from));
+  for (std::size_t d = 0; d < 3; ++d) fits = std::max(fits, std::abs(across[d]) / (degree[d] + 1));
   return text +
          fmt::format("; the narrowest gap is {:.4g} wide, near ({:.6g}): spans of at most {:.3g} keep them apart "
                      "(now {:.4g})",

@@ -16,13 +16,12 @@ constexpr double same_distance = 1e-9;
 
 class Search {
  public:
-  Search(const TrimmedModel& model, const Point3& u, const Point3& outward) : model_(model) {
+  Search(const TrimmedModel& model, const Point3& u, const Point3& outward)
+      : model_(model), normal_(model.grid.along_axes(outward)) {
     const SplineGrid& grid = model.grid;
-    const Rotation& R = grid.rotation();
     for (std::size_t d = 0; d < 3; ++d) {
       xi_[d] = (u[d] - grid.A()[d]) / grid.span_size()[d];
       home_[d] = std::clamp<std::int64_t>(static_cast<std::int64_t>(std::floor(xi_[d])), 0, grid.spans()[d] - 1);
-      for (std::size_t r = 0; r < 3; ++r) normal_[d] += R[r][d] * outward[r];
     }
   }
 

@@ -1,5 +1,6 @@
 #include "solver/span_advice.hpp"
 
+#include "format/model/rounded_down.hpp"
 #include "format/model/vec3.hpp"
 #include "solver/solution_space.hpp"
 
@@ -45,12 +46,6 @@ Point3 extents(const TrimmedModel& model, const std::vector<std::int64_t>& spans
   return {high[0] - low[0], high[1] - low[1], high[2] - low[2]};
 }
 
-// To two digits, downwards.
-double rounded_down(double value) {
-  const double unit = std::pow(10, std::floor(std::log10(value)) - 1);
-  return std::floor(value / unit) * unit;
-}
-
 // Twice the volume over the area of surface of some active spans: the thickness of a wall, half that of a square bar.
 // Length; infinite where they hold no surface.
 double wall_thickness(const TrimmedModel& model, const std::vector<std::int64_t>& spans) {
@@ -68,7 +63,7 @@ std::string span_advice(const TrimmedModel& model, const std::vector<std::int64_
   const std::vector<std::int64_t> spans = chosen.empty() ? all_spans(model) : chosen;
   const double thickness = wall_thickness(model, spans);
   const Point3 h = model.grid.span_size(), size = extents(model, spans);
-  const double wanted = rounded_down(thickness / spans_across);
+  const double wanted = rounded_down(thickness / spans_across, 2);
   Point3 finer = h;
   bool flat_part = false;
   for (std::size_t d = 0; d < 3; ++d)

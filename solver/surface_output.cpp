@@ -70,11 +70,9 @@ class Subdivision {
 
   // From a to b along the grid's axes.
   Point3 edge(std::int32_t a, std::int32_t b) const {
-    const Point3 e = minus(vertices_[static_cast<std::size_t>(b)], vertices_[static_cast<std::size_t>(a)]);
-    const Rotation& R = grid_.rotation();
-    Point3 along{};
-    for (std::size_t d = 0; d < 3; ++d) along[d] = (R[0][d] * e[0] + R[1][d] * e[1] + R[2][d] * e[2]) / unit_[d];
-    return along;
+    const Point3 along =
+        grid_.along_axes(minus(vertices_[static_cast<std::size_t>(b)], vertices_[static_cast<std::size_t>(a)]));
+    return {along[0] / unit_[0], along[1] / unit_[1], along[2] / unit_[2]};
   }
 
   double length2(std::int32_t a, std::int32_t b) const {

@@ -73,8 +73,7 @@ void refuse_long_names(const OutputPlan& plan) {
     [[maybe_unused]] const fs::file_status status = fs::symlink_status(output, error);
     if (error == std::errc::filename_too_long)
       throw InputError(
-          fmt::format("{}: this output's name of {} bytes is too long for the file system; choose a shorter "
-                      "one",
+          fmt::format("{}: this output's name of {} bytes is too long for the file system; choose a shorter one",
                       output.string(), output.filename().string().size()));
   }
 }

@@ -42,6 +42,13 @@ class SplineGrid {
   /// Position (length) of a parameter, and back.
   Point3 to_position(const Point3& u) const;
   Point3 to_parameter(const Point3& x) const;
+  /// A direction in space along the grid's axes: Rᵀ way.
+  Point3 along_axes(const Point3& way) const {
+    Point3 g{};
+    for (std::size_t d = 0; d < 3; ++d)
+      for (std::size_t r = 0; r < 3; ++r) g[d] += R_[r][d] * way[r];
+    return g;
+  }
   /// Control point of function (i, j, k): the position of its Greville parameters.
   Point3 control_point(const Index3& ijk) const;
 

@@ -130,18 +130,11 @@ std::string ExplicitLoop::state_text() const {
       integrator.energy_error());
 }
 
-double ExplicitLoop::momentum_error() const {
-  double error = 0;
+double ExplicitLoop::largest_error(double (MomentumBalance::*error)() const) const {
+  double largest = 0;
   for (std::size_t b = 0; b < parts_.scene.num_bodies(); ++b)
-    error = std::max(error, parts_.scene.integrator().momentum(b).relative_linear_error());
-  return error;
-}
-
-double ExplicitLoop::angular_momentum_error() const {
-  double error = 0;
-  for (std::size_t b = 0; b < parts_.scene.num_bodies(); ++b)
-    error = std::max(error, parts_.scene.integrator().momentum(b).relative_angular_error());
-  return error;
+    largest = std::max(largest, (parts_.scene.integrator().momentum(b).*error)());
+  return largest;
 }
 
 std::vector<std::string> ExplicitLoop::warnings() const {

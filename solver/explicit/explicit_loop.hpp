@@ -38,8 +38,8 @@ class ExplicitLoop {
   /// All of the run, with how bad it became.
   std::vector<std::string> warnings() const;
   /// Largest relative error of all bodies: MomentumBalance.
-  double momentum_error() const;
-  double angular_momentum_error() const;
+  double momentum_error() const { return largest_error(&MomentumBalance::relative_linear_error); }
+  double angular_momentum_error() const { return largest_error(&MomentumBalance::relative_angular_error); }
 
  private:
   bool is_due(std::int64_t number, double interval) const;
@@ -48,6 +48,7 @@ class ExplicitLoop {
   void write_restart_file() const;
   std::string state_text() const;
   void warn_now(const std::string& text) const;
+  double largest_error(double (MomentumBalance::*error)() const) const;
 
   Parts parts_;
   std::int64_t next_row_ = 1, next_field_ = 1, next_restart_ = 1;

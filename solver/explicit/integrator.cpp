@@ -143,8 +143,7 @@ void Integrator::choose_step() {
     throw NumericalError(fmt::format(
         "t = {:.6g}: the time step fell to {:.3g}, below {:g} of the first one ({:.3g}), for body '{}' {}; smallest "
         "volume ratio there {:.3g}; the material is crushed beyond its law or the contact is too stiff: use a lower "
-        "speed, a stiffer material (a yield "
-        "curve up to full density), smaller spans, or a smaller dt_min to go on",
+        "speed, a stiffer material (a yield curve up to full density), smaller spans, or a smaller dt_min to go on",
         now_.time, dt, settings_.floor, first, bodies_[limiting]->settings().name,
         place(limiting, reports_[limiting].step_span), reports_[limiting].min_J));
   if (settings_.largest_dt > 0) dt = std::min(dt, settings_.largest_dt);

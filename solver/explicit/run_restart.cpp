@@ -274,8 +274,7 @@ std::vector<std::string> check_restart(const RestartState& restart, const Explic
     const std::string what = fmt::format("{}: {} when the run began, {} now", change.path, change.before, change.now);
     if (!may_change(change.path))
       throw InputError(fmt::format("{}{}: {}; a restart may change [time], [energy], [watch], [[stop]] and [output] "
-                                   "without subdivide, nothing else: put "
-                                   "it back, or start anew without --restart",
+                                   "without subdivide, nothing else: put it back, or start anew without --restart",
                                    run.file.string(), change.line > 0 ? fmt::format(":{}", change.line) : "", what));
     told += (told.empty() ? "" : "; ") + what;
   }

@@ -10,6 +10,9 @@ import tempfile
 import unittest
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
+from parts import box_facets, write_stl  # noqa: E402
+
 IGAPREP, IGASOLVE = sys.argv[1:3]
 
 
@@ -25,12 +28,6 @@ def ring(outer, inner, length, corners=48):
             yield from ((a, b, c), (a, c, d))
 
 
-def box(lower, upper):
-    x = [tuple((lower, upper)[c >> d & 1][d] for d in range(3)) for c in range(8)]
-    for a, b, c, d in ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)):
-        yield from ((x[a], x[b], x[c]), (x[a], x[c], x[d]))
-
-
 class CoarseSpans(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
@@ -38,11 +35,7 @@ class CoarseSpans(unittest.TestCase):
         self.path = Path(folder.name)
 
     def part(self, *bodies):
-        lines = ["solid part"]
-        for body in bodies:
-            for facet in body:
-                lines += ["facet normal 0 0 0", "outer loop", *("vertex %r %r %r" % x for x in facet), "endloop", "endfacet"]
-        (self.path / "part.stl").write_text("\n".join([*lines, "endsolid part"]) + "\n")
+        write_stl(self.path / "part.stl", bodies)
 
     def prepare(self, *options):
         done = subprocess.run([IGAPREP, self.path / "part.stl", "-o", self.path / "part.h5", "--force", "--json", *options],
@@ -77,7 +70,7 @@ class CoarseSpans(unittest.TestCase):
         self.assertEqual(fine["warnings"], [])
 
     def test_a_gap_that_functions_reach_across(self):
-        self.part(box((0, 0, 0), (9, 6, 3)), box((0, 0, 3.6), (9, 6, 6.6)))
+        self.part(box_facets((0, 0, 0), (9, 6, 3)), box_facets((0, 0, 3.6), (9, 6, 6.6)))
         report = self.prepare("--span-size", "1")
         self.assertAlmostEqual(report["narrowest_gap"]["width"], 0.6, delta=1e-9)
         self.assertAlmostEqual(report["narrowest_gap"]["spans"], 0.6, delta=1e-9)
@@ -91,7 +84,7 @@ class CoarseSpans(unittest.TestCase):
         self.assertEqual(fine["warnings"], [])
 
     def test_thick_parts_are_silent(self):
-        self.part(box((0, 0, 0), (10, 10, 10)))
+        self.part(box_facets((0, 0, 0), (10, 10, 10)))
         report = self.prepare("--spans", "4")
         self.assertEqual((report["thinnest_wall"], report["thin_wall_volume_share"], report["narrowest_gap"], report["warnings"]),
                          (None, 0, None, []))

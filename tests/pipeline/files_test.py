@@ -18,6 +18,9 @@ from pathlib import Path
 
 import h5py
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
+from parts import write_boxes  # noqa: E402
+
 SOURCE, IGAPREP, IGASOLVE = (Path(argument) for argument in sys.argv[1:4])
 DOCUMENTED = {0, 2, 4, 129, 130, 131, 141, 143}
 PREP = ["--degree", "1", "--spans", "4"]
@@ -50,24 +53,13 @@ field_interval = 0.2
 """
 
 
-def cube_stl(size=1.0):
-    corners = [(x, y, z) for z in (0, size) for y in (0, size) for x in (0, size)]
-    faces = [(0, 2, 3), (0, 3, 1), (4, 5, 7), (4, 7, 6), (0, 1, 5), (0, 5, 4),
-             (2, 6, 7), (2, 7, 3), (0, 4, 6), (0, 6, 2), (1, 3, 7), (1, 7, 5)]
-    text = "solid cube\n"
-    for face in faces:
-        text += "facet normal 0 0 0\nouter loop\n"
-        text += "".join("vertex {} {} {}\n".format(*corners[c]) for c in face) + "endloop\nendfacet\n"
-    return text + "endsolid\n"
-
-
 class Files(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory()
         self.addCleanup(self.folder.cleanup)
         self.path = Path(self.folder.name)
-        (self.path / "part.stl").write_text(cube_stl())
-        (self.path / "tool.stl").write_text(cube_stl())
+        for name in ("part.stl", "tool.stl"):
+            write_boxes(self.path / name, [((0, 0, 0), (1, 1, 1))])
         (self.path / "ram.csv").write_text("0,0\n100,1\n")
         (self.path / "prep.toml").write_text('input = "part.stl"\n[grid]\ndegree = 1\nspans = 4\n')
         (self.path / "run.toml").write_text(RUN.replace("END", "1"))

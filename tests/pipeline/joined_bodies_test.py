@@ -9,24 +9,11 @@ import tempfile
 import unittest
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
+from parts import write_boxes  # noqa: E402
+
 IGAPREP, IGASOLVE = sys.argv[1:3]
-CORNERS = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
-FACES = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
 MATERIAL = ("--E", "210", "--nu", "0.3", "--rho", "7.8e-6")
-
-
-def box_facets(lower, size):
-    corner = [tuple(a + b * s for a, b, s in zip(lower, c, size)) for c in CORNERS]
-    for a, b, c, d in FACES:
-        yield from ((corner[a], corner[b], corner[c]), (corner[a], corner[c], corner[d]))
-
-
-def write_stl(path, boxes):
-    lines = ["solid part"]
-    for lower, size in boxes:
-        for facet in box_facets(lower, size):
-            lines += ["facet normal 0 0 0", "outer loop", *("vertex %r %r %r" % x for x in facet), "endloop", "endfacet"]
-    path.write_text("\n".join([*lines, "endsolid part"]) + "\n")
 
 
 class JoinedBodies(unittest.TestCase):
@@ -48,7 +35,7 @@ class JoinedBodies(unittest.TestCase):
         return report, [warning for warning in report["warnings"] if "joins them into" in warning]
 
     def test_the_span_size_in_the_warning_keeps_bodies_apart(self):
-        write_stl(self.path / "part.stl", [((0, 0, 0), (12, 8, 2)), ((0, 0, 2.6), (12, 8, 2)), ((13, 0, 0), (2, 8, 4))])
+        write_boxes(self.path / "part.stl", [((0, 0, 0), (12, 8, 2)), ((0, 0, 2.6), (12, 8, 4.6)), ((13, 0, 0), (15, 8, 4))])
         for degree in ("1", "2"):
             with self.subTest(degree=degree):
                 coarse, warnings = self.solve("eigen", self.prepare(1.5, degree), *MATERIAL, "--modes", "1")
@@ -61,7 +48,7 @@ class JoinedBodies(unittest.TestCase):
                 self.assertEqual(warnings, [])
 
     def test_every_analysis_warns(self):
-        write_stl(self.path / "part.stl", [((0, 0, 0), (6, 4, 2)), ((0, 0, 2.6), (6, 4, 2))])
+        write_boxes(self.path / "part.stl", [((0, 0, 0), (6, 4, 2)), ((0, 0, 2.6), (6, 4, 4.6))])
         model = self.prepare(1.5)
         head = f"model = '{model}'\n[material]\nE = 210\nnu = 0.3\nrho = 7.8e-6\n"
         (self.path / "held.toml").write_text(head + "[[support]]\nwhole_surface = true\n[[load]]\nbody_force = [0, 0, 1]\n")

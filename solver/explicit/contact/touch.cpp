@@ -59,6 +59,16 @@ void add_side(Touch& touch, std::size_t number, const MovingSurface& s, double s
   for (const auto& [v, w] : weights) touch.entries[at(touch.count++)] = {number, v, sign * w};
 }
 
+/// The second side of a touch is a rigid form, pushed at `point`.
+void add_shape(Touch& touch, const VertexShapeCandidates& pass, const std::vector<MovingSurface>& surfaces,
+               const std::vector<RigidState>& rigid, const Point3& point) {
+  touch.limit = std::min(limit_spans * surfaces[pass.slave].span_size(),
+                         2 * limit_share * bounding_radius(rigid[pass.rigid].body().shape));
+  touch.rigid = static_cast<std::ptrdiff_t>(pass.rigid);
+  touch.rigid_sign = -1;
+  touch.point = point;
+}
+
 struct Nearest {
   ClosestOnTriangle on;
   std::int32_t face = -1;
@@ -144,12 +154,9 @@ std::optional<Touch> touch_shape(const PairSearch& search, std::size_t candidate
   touch.normal = body.turned(distance.normal);
   touch.area = std::max(facing_area(slave, search.mask(pass.slave), v, touch.normal),
                         least_area_share * ring_area(slave, search.mask(pass.slave), v));
-  touch.limit = std::min(limit_spans * slave.span_size(), 2 * limit_share * bounding_radius(body.body().shape));
   touch.entries[0] = {pass.slave, v, 1};
   touch.count = 1;
-  touch.rigid = static_cast<std::ptrdiff_t>(pass.rigid);
-  touch.rigid_sign = -1;
-  touch.point = slave.x(v);
+  add_shape(touch, pass, surfaces, rigid, slave.x(v));
   return touch;
 }
 
@@ -173,12 +180,9 @@ std::optional<Touch> touch_sphere(const PairSearch& search, std::size_t candidat
   touch.key = std::uint64_t{2} << 54 | static_cast<std::uint64_t>(face);
   touch.normal = times(minus(on.position, c), 1 / distance);
   touch.area = slave.mesh().face_area[at(face)] / 3;
-  touch.limit = std::min(limit_spans * slave.span_size(), 2 * limit_share * radius);
   for (std::size_t i = 0; i < 3; ++i) touch.entries[i] = {pass.slave, t[i], on.weight[i]};
   touch.count = 3;
-  touch.rigid = static_cast<std::ptrdiff_t>(pass.rigid);
-  touch.rigid_sign = -1;
-  touch.point = on.position;
+  add_shape(touch, pass, surfaces, rigid, on.position);
   return touch;
 }
 

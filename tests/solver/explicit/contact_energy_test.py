@@ -11,11 +11,10 @@ import tempfile
 import unittest
 from pathlib import Path
 
-import numpy as np
-
 SOURCE, IGAPREP, IGASOLVE = (Path(argument) for argument in sys.argv[1:4])
-sys.path.insert(0, str(SOURCE / "scripts"))
+sys.path[:0] = [str(SOURCE / "scripts"), str(SOURCE / "tests/scripts")]
 import iga_results  # noqa: E402
+from parts import write_boxes  # noqa: E402
 
 SIDE, RADIUS, MASS = 60.0, 20.0, 2.0
 CURVE = [[0, 2e-4], [0.5, 3e-4], [0.7, 8e-4], [0.8, 3e-3], [0.9, 7e-3], [0.95, 9e-3]]
@@ -60,23 +59,12 @@ def foam(E=0.05, times=1.0):
     return FOAM.format(E=E, curve=[[x, times * y] for x, y in CURVE])
 
 
-def box_stl(path):
-    corners = np.array([[x, y, z] for z in (0, SIDE) for y in (0, SIDE) for x in (0, SIDE)])
-    faces = [(0, 2, 3), (0, 3, 1), (4, 5, 7), (4, 7, 6), (0, 1, 5), (0, 5, 4), (2, 6, 7), (2, 7, 3), (0, 4, 6), (0, 6, 2),
-             (1, 3, 7), (1, 7, 5)]
-    text = "solid block\n"
-    for face in faces:
-        text += "facet normal 0 0 0\nouter loop\n"
-        text += "".join("vertex {} {} {}\n".format(*corners[v]) for v in face) + "endloop\nendfacet\n"
-    path.write_text(text + "endsolid block\n")
-
-
 class ContactEnergy(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
         cls.path = Path(cls.folder.name)
-        box_stl(cls.path / "block.stl")
+        write_boxes(cls.path / "block.stl", [((0, 0, 0), (SIDE, SIDE, SIDE))])
         subprocess.run([IGAPREP, cls.path / "block.stl", "--spans", "5", "--length-unit", "mm", "-o", cls.path / "block.h5",
                         "--quiet"], check=True)
 
