@@ -14,8 +14,30 @@ LAYERS = {  # folder: what its files may include from this repository
     "samples": ["format", "preprocessor", "solver", "samples", "tests/support"],
     "tests": ["format", "preprocessor", "solver", "samples", "tests"],
 }
+# Folders of a tool in order: files include from their own folder and from those before it.
+ORDER = {
+    "preprocessor": ["base", "surface", "trim", "connectivity", "interior", "fit", "reduce", "quadrature", "walls",
+                     "program"],
+    "solver": ["base", "space", "linalg", "mechanics", "output", "supports", "analysis", "report", "explicit/simd",
+               "explicit/laws", "explicit/kernel", "explicit/motion", "explicit/contact", "explicit/loads",
+               "explicit/run", "program"],
+}
 OURS = ("format/", "preprocessor/", "solver/", "samples/", "tests/")
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
+
+
+def wrong_order(name, target):
+    """A sentence where `target` belongs to a folder that comes after that of the file `name`; else None."""
+    tool = name.split("/")[0]
+    if tool not in ORDER or not target.startswith(tool + "/"):
+        return None
+    own, other = (path[len(tool) + 1:].rpartition("/")[0] for path in (name, target))
+    for folder in (own, other):
+        if folder not in ORDER[tool]:
+            return f"the folder {tool}/{folder} has no place in the order of scripts/check_includes.py"
+    if ORDER[tool].index(other) > ORDER[tool].index(own):
+        return f'"{target}" belongs to a folder that comes after {tool}/{own}'
+    return None
 
 
 def problems_of(path, text):
@@ -33,12 +55,14 @@ def problems_of(path, text):
                 yield f'{where}: "{target}" does not start at the repository\'s root'
             elif not any(target.startswith(layer + "/") for layer in LAYERS[folder]):
                 yield f'{where}: {folder} may not include "{target}"'
+            elif order := wrong_order(name, target):
+                yield f"{where}: {order}"
         if re.match(r"(hdf5|H5\w*)\.h$", target) and name != "format/io/h5_file.cpp":
             yield f"{where}: HDF5 belongs to format/io/h5_file.cpp alone"
         if target.startswith("CGAL/"):
             if folder in ("format/model", "format/io", "solver"):
                 yield f"{where}: {folder} must not know CGAL"
-            if path.suffix == ".hpp" and not name.startswith(("preprocessor/surface_", "samples/surface_")):
+            if path.suffix == ".hpp" and not name.startswith(("preprocessor/surface/surface_", "samples/surface_")):
                 yield f"{where}: CGAL may not appear in a header (surface_*.hpp excepted)"
         if folder == "format/model" and re.match(r"(Eigen|tbb|CLI|toml\+\+|openssl)/", target):
             yield f"{where}: format/model stands on the standard library and fmt alone"

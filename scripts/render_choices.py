@@ -1,6 +1,6 @@
 """Supports and loads of a run file drawn on the part: every choice of surface in a colour of its own.
 
-The choices follow solver/surface_cut.cpp: whole triangles by region and normal, cut exactly by boxes and planes.
+The choices follow solver/space/surface_cut.cpp: whole triangles by region and normal, cut exactly by boxes and planes.
 """
 import math
 import sys

@@ -1,8 +1,8 @@
 #include "tests/bench/bench_cases.hpp"
 
-#include "preprocessor/prepare_surface.hpp"
-#include "preprocessor/read_mesh.hpp"
-#include "preprocessor/surface_quadrature.hpp"
+#include "preprocessor/quadrature/surface_quadrature.hpp"
+#include "preprocessor/surface/prepare_surface.hpp"
+#include "preprocessor/surface/read_mesh.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>

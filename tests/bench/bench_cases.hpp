@@ -2,8 +2,8 @@
 #pragma once
 
 #include "format/model/trimmed_model.hpp"
-#include "preprocessor/build_quadrature.hpp"
-#include "preprocessor/make_grid.hpp"
+#include "preprocessor/quadrature/build_quadrature.hpp"
+#include "preprocessor/trim/make_grid.hpp"
 
 #include <filesystem>
 #include <functional>

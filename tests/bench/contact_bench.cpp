@@ -1,7 +1,7 @@
 #include "tests/bench/measurements.hpp"
 
-#include "solver/assemble.hpp"
 #include "solver/explicit/contact/contact_model.hpp"
+#include "solver/mechanics/assemble.hpp"
 #include "tests/support/synthetic_model.hpp"
 
 #include <cmath>

@@ -3,7 +3,7 @@
 // several runs. Arguments: spans along an edge (default 24; 0: none of these), seconds per measurement (default 0.2),
 // model files of igaprep: points and whole steps per second with the rules that they hold.
 #include "format/io/trimmed_model_io.hpp"
-#include "solver/explicit/integrator.hpp"
+#include "solver/explicit/motion/integrator.hpp"
 #include "tests/bench/impact_foam.hpp"
 #include "tests/support/synthetic_model.hpp"
 

@@ -1,6 +1,6 @@
 #include "tests/bench/measurements.hpp"
 
-#include "preprocessor/moment_fitting.hpp"
+#include "preprocessor/fit/moment_fitting.hpp"
 
 #include <array>
 #include <memory>

@@ -2,7 +2,7 @@
 // balances.
 #include "format/io/trimmed_model_io.hpp"
 #include "solver/explicit/contact/contact_model.hpp"
-#include "solver/explicit/integrator.hpp"
+#include "solver/explicit/motion/integrator.hpp"
 #include "tests/bench/impact_foam.hpp"
 
 #include <chrono>

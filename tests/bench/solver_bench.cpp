@@ -1,6 +1,6 @@
 #include "tests/bench/measurements.hpp"
 
-#include "solver/assemble.hpp"
+#include "solver/mechanics/assemble.hpp"
 
 #include <memory>
 

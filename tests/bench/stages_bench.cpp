@@ -1,8 +1,8 @@
 #include "tests/bench/measurements.hpp"
 
 #include "format/io/trimmed_model_io.hpp"
-#include "preprocessor/line_winding.hpp"
-#include "preprocessor/surface_quadrature.hpp"
+#include "preprocessor/connectivity/line_winding.hpp"
+#include "preprocessor/quadrature/surface_quadrature.hpp"
 
 #include <memory>
 #include <unistd.h>

@@ -1,5 +1,5 @@
 // Eigenfrequencies of free bodies that are turned in the grid, so that every face is trimmed, against exact values.
-#include "solver/eigen_analysis.hpp"
+#include "solver/analysis/eigen_analysis.hpp"
 #include "tests/embed/surfaces.hpp"
 #include "tests/solver/trimmed_part.hpp"
 #include "tests/support/rate.hpp"

@@ -1,7 +1,8 @@
 // How the lowest frequencies of a free rod converge with each mass. A box with nu = 0 holds the rod exactly: fields
 // u_x(x) that do not depend on y and z are an invariant subspace of stiffness and of every mass.
-#include "solver/assemble.hpp"
-#include "solver/mass_operator.hpp"
+#include "solver/analysis/run_settings.hpp"
+#include "solver/mechanics/assemble.hpp"
+#include "solver/mechanics/mass_operator.hpp"
 #include "tests/support/rate.hpp"
 #include "tests/support/synthetic_model.hpp"
 

@@ -1,6 +1,6 @@
 // Statics against closed solutions: convergence tables. The exact tractions act on the facets that stand for the curved
 // surface, so that the closed solution is exact on the faceted part too and the facets cost no accuracy.
-#include "solver/assemble.hpp"
+#include "solver/mechanics/assemble.hpp"
 #include "tests/embed/surfaces.hpp"
 #include "tests/solver/static_support.hpp"
 #include "tests/solver/trimmed_part.hpp"

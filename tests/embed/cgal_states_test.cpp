@@ -1,8 +1,8 @@
 // CGAL as an independent judge of the trimming on real parts: states against its inside/outside test at all span
 // centres and corners, volume, centroid and second moments against the mesh's own.
 #include "format/model/span_state.hpp"
-#include "preprocessor/span_moments.hpp"
-#include "preprocessor/trim.hpp"
+#include "preprocessor/fit/span_moments.hpp"
+#include "preprocessor/trim/trim.hpp"
 #include "tests/embed/surfaces.hpp"
 
 #include <CGAL/AABB_face_graph_triangle_primitive.h>

@@ -1,4 +1,4 @@
-#include "preprocessor/line_winding.hpp"
+#include "preprocessor/connectivity/line_winding.hpp"
 
 #include "tests/embed/surfaces.hpp"
 

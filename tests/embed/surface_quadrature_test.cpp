@@ -1,4 +1,4 @@
-#include "preprocessor/surface_quadrature.hpp"
+#include "preprocessor/quadrature/surface_quadrature.hpp"
 
 #include "format/model/errors.hpp"
 #include "tests/embed/surfaces.hpp"

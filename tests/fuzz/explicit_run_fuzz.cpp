@@ -1,5 +1,5 @@
 // Run files of `igasolve explicit`. The files that the seeds name exist beside them; the models are not opened yet.
-#include "solver/explicit/run_file.hpp"
+#include "solver/explicit/run/run_file.hpp"
 #include "tests/fuzz/fuzz_input.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,5 +1,5 @@
 // Restart files of explicit runs.
-#include "solver/explicit/run_restart.hpp"
+#include "solver/explicit/run/run_restart.hpp"
 #include "tests/fuzz/fuzz_input.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,5 +1,5 @@
 // Run files of `igasolve eigen`, `timestep` and `static`.
-#include "solver/run_settings.hpp"
+#include "solver/analysis/run_settings.hpp"
 #include "tests/fuzz/fuzz_input.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,5 +1,5 @@
 // Settings files of igaprep, up to the text that names every setting.
-#include "preprocessor/settings.hpp"
+#include "preprocessor/program/settings.hpp"
 #include "tests/fuzz/fuzz_input.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,6 +1,6 @@
 // A surface file of any format, cut into triangles and prepared without repair. Small inputs only: what the surface
 // costs is tested elsewhere.
-#include "preprocessor/prepare_surface.hpp"
+#include "preprocessor/surface/prepare_surface.hpp"
 #include "tests/fuzz/fuzz_input.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,7 +1,7 @@
-#include "preprocessor/gates.hpp"
+#include "preprocessor/program/gates.hpp"
 
 #include "format/model/errors.hpp"
-#include "preprocessor/make_grid.hpp"
+#include "preprocessor/trim/make_grid.hpp"
 #include "tests/support/small_surfaces.hpp"
 
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "preprocessor/make_grid.hpp"
+#include "preprocessor/trim/make_grid.hpp"
 
 #include "format/model/errors.hpp"
 #include "tests/support/small_surfaces.hpp"

@@ -1,4 +1,4 @@
-#include "preprocessor/optimise_offset.hpp"
+#include "preprocessor/trim/optimise_offset.hpp"
 
 #include "tests/support/small_surfaces.hpp"
 

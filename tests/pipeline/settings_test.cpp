@@ -1,8 +1,8 @@
-#include "preprocessor/settings.hpp"
+#include "preprocessor/program/settings.hpp"
 
 #include "format/model/errors.hpp"
-#include "preprocessor/command_line.hpp"
-#include "preprocessor/settings_table.hpp"
+#include "preprocessor/program/command_line.hpp"
+#include "preprocessor/program/settings_table.hpp"
 #include "tests/support/temp_folder.hpp"
 
 #include <cmath>

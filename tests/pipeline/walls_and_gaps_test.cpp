@@ -1,6 +1,6 @@
 // Walls and gaps of known size: warned of where the spans are too coarse for them, and nowhere else.
-#include "preprocessor/narrow_gaps.hpp"
-#include "preprocessor/wall_thickness.hpp"
+#include "preprocessor/walls/narrow_gaps.hpp"
+#include "preprocessor/walls/wall_thickness.hpp"
 #include "tests/embed/surfaces.hpp"
 #include "tests/solver/trimmed_part.hpp"
 

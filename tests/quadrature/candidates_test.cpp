@@ -1,5 +1,5 @@
 // Candidates lie inside the solid, whatever the lattice lines meet.
-#include "preprocessor/candidates.hpp"
+#include "preprocessor/fit/candidates.hpp"
 
 #include "tests/embed/surfaces.hpp"
 #include "tests/quadrature/convex_solid.hpp"

@@ -1,4 +1,4 @@
-#include "preprocessor/clip.hpp"
+#include "preprocessor/trim/clip.hpp"
 
 #include "format/model/errors.hpp"
 #include "format/model/vec3.hpp"

@@ -1,7 +1,7 @@
 // Rules of all trimmed spans of a solid, and what every such rule must fulfil.
 #pragma once
 
-#include "preprocessor/moment_fitting.hpp"
+#include "preprocessor/fit/moment_fitting.hpp"
 
 #include <functional>
 

@@ -1,5 +1,5 @@
 #include "format/model/simd.hpp"
-#include "preprocessor/gauss_rule.hpp"
+#include "preprocessor/base/gauss_rule.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

@@ -1,9 +1,9 @@
 // Rules on runs of spans: known values, counts, and exactness for splines that the rules never saw.
-#include "preprocessor/generalised_gauss.hpp"
+#include "preprocessor/interior/generalised_gauss.hpp"
 
 #include "format/model/bspline_basis.hpp"
 #include "format/model/errors.hpp"
-#include "preprocessor/gauss_rule.hpp"
+#include "preprocessor/base/gauss_rule.hpp"
 
 #include <gtest/gtest.h>
 #include <tbb/parallel_for.h>

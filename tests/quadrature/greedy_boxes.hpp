@@ -1,7 +1,7 @@
 // The greedy boxes of Messmer et al. (2022), section 3.2.1, as something to compare with.
 #pragma once
 
-#include "preprocessor/span_boxes.hpp"
+#include "preprocessor/interior/span_boxes.hpp"
 
 namespace iga::test {
 

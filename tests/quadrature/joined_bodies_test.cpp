@@ -1,5 +1,5 @@
 // Bodies that share functions are counted as one group.
-#include "preprocessor/joined_bodies.hpp"
+#include "preprocessor/connectivity/joined_bodies.hpp"
 
 #include "tests/embed/surfaces.hpp"
 

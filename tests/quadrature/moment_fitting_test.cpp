@@ -1,10 +1,10 @@
 // Rules of single spans, and the points of all active spans.
-#include "preprocessor/moment_fitting.hpp"
+#include "preprocessor/fit/moment_fitting.hpp"
 
 #include "format/model/bspline_basis.hpp"
 #include "format/model/errors.hpp"
 #include "format/model/span_state.hpp"
-#include "preprocessor/build_quadrature.hpp"
+#include "preprocessor/quadrature/build_quadrature.hpp"
 #include "tests/embed/surfaces.hpp"
 #include "tests/quadrature/fitted_rules.hpp"
 

@@ -1,4 +1,4 @@
-#include "preprocessor/nnls.hpp"
+#include "preprocessor/base/nnls.hpp"
 
 #include <Eigen/QR>
 

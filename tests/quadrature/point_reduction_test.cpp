@@ -1,8 +1,8 @@
 // Rules with fewer points: exact moments, positive weights, points inside, counts.
-#include "preprocessor/span_reduction.hpp"
+#include "preprocessor/reduce/span_reduction.hpp"
 
 #include "format/model/vec3.hpp"
-#include "preprocessor/build_quadrature.hpp"
+#include "preprocessor/quadrature/build_quadrature.hpp"
 #include "tests/embed/surfaces.hpp"
 #include "tests/quadrature/fitted_rules.hpp"
 

@@ -1,8 +1,8 @@
 #include "tests/quadrature/random_solids.hpp"
 
 #include "format/model/vec3.hpp"
-#include "preprocessor/build_quadrature.hpp"
-#include "preprocessor/make_grid.hpp"
+#include "preprocessor/quadrature/build_quadrature.hpp"
+#include "preprocessor/trim/make_grid.hpp"
 #include "tests/embed/surfaces.hpp"
 
 #include <algorithm>

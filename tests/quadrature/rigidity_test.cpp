@@ -1,7 +1,7 @@
 // Which rules with few points still hold a part together.
-#include "preprocessor/kept_stiffness.hpp"
-#include "preprocessor/span_reduction.hpp"
-#include "preprocessor/trimmed_rules.hpp"
+#include "preprocessor/quadrature/trimmed_rules.hpp"
+#include "preprocessor/reduce/kept_stiffness.hpp"
+#include "preprocessor/reduce/span_reduction.hpp"
 #include "tests/embed/surfaces.hpp"
 #include "tests/quadrature/fitted_rules.hpp"
 

@@ -1,7 +1,7 @@
 // Quadrature of real parts, with CGAL as the judge of what lies inside and of single spans' moments.
 #include "format/model/span_state.hpp"
-#include "preprocessor/build_quadrature.hpp"
-#include "preprocessor/span_moments.hpp"
+#include "preprocessor/fit/span_moments.hpp"
+#include "preprocessor/quadrature/build_quadrature.hpp"
 #include "tests/embed/surfaces.hpp"
 
 #include <CGAL/AABB_face_graph_triangle_primitive.h>

@@ -1,6 +1,6 @@
 // Boxes over the interior spans of real parts.
-#include "preprocessor/span_boxes.hpp"
-#include "preprocessor/trim.hpp"
+#include "preprocessor/interior/span_boxes.hpp"
+#include "preprocessor/trim/trim.hpp"
 #include "tests/embed/surfaces.hpp"
 #include "tests/quadrature/greedy_boxes.hpp"
 

@@ -1,5 +1,5 @@
 // Boxes over interior spans: they part them exactly, save what the formula says, and more than the greedy choice.
-#include "preprocessor/span_boxes.hpp"
+#include "preprocessor/interior/span_boxes.hpp"
 
 #include "format/model/span_state.hpp"
 #include "tests/quadrature/greedy_boxes.hpp"

@@ -1,5 +1,5 @@
 // Moments of single spans against half-space cuts in extended precision.
-#include "preprocessor/span_moments.hpp"
+#include "preprocessor/fit/span_moments.hpp"
 
 #include "tests/embed/surfaces.hpp"
 #include "tests/quadrature/convex_solid.hpp"

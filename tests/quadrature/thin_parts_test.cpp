@@ -1,6 +1,6 @@
 // Seeded cubes, plates, wedges and needles in any position: every span reaches the residual.
 #include "format/model/errors.hpp"
-#include "preprocessor/build_quadrature.hpp"
+#include "preprocessor/quadrature/build_quadrature.hpp"
 #include "tests/embed/surfaces.hpp"
 
 #include <cmath>

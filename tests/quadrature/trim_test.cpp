@@ -1,4 +1,4 @@
-#include "preprocessor/trim.hpp"
+#include "preprocessor/trim/trim.hpp"
 
 #include "format/model/span_state.hpp"
 #include "tests/embed/surfaces.hpp"

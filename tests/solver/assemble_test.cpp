@@ -1,6 +1,6 @@
-#include "solver/assemble.hpp"
+#include "solver/mechanics/assemble.hpp"
 
-#include "solver/mass_operator.hpp"
+#include "solver/mechanics/mass_operator.hpp"
 #include "tests/support/synthetic_model.hpp"
 
 #include <gtest/gtest.h>

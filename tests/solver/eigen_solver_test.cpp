@@ -1,5 +1,5 @@
 // Lowest modes against closed forms, dense eigenvalues and what must hold of every eigenpair.
-#include "solver/eigen_solver.hpp"
+#include "solver/analysis/eigen_solver.hpp"
 
 #include "format/model/errors.hpp"
 #include "tests/solver/eigen_support.hpp"

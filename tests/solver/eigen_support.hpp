@@ -1,9 +1,9 @@
 // Small systems for the tests of linear solvers and eigenvalues: a box in a grid, its matrices, dense copies of them.
 #pragma once
 
-#include "solver/assemble.hpp"
-#include "solver/eigen_analysis.hpp"
-#include "solver/rigid_modes.hpp"
+#include "solver/analysis/eigen_analysis.hpp"
+#include "solver/mechanics/assemble.hpp"
+#include "solver/mechanics/rigid_modes.hpp"
 #include "tests/support/synthetic_model.hpp"
 
 #include <gtest/gtest.h>

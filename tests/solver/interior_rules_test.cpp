@@ -1,6 +1,6 @@
 // Generalised Gaussian rules of interior spans as matrices, frequencies and bounds see them.
-#include "solver/element_bound.hpp"
-#include "solver/largest_eigenvalue.hpp"
+#include "solver/mechanics/element_bound.hpp"
+#include "solver/mechanics/largest_eigenvalue.hpp"
 #include "tests/embed/surfaces.hpp"
 #include "tests/solver/eigen_support.hpp"
 #include "tests/solver/trimmed_part.hpp"

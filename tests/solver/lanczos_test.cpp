@@ -1,5 +1,5 @@
 // Block Lanczos against dense eigenvalues.
-#include "solver/lanczos.hpp"
+#include "solver/linalg/lanczos.hpp"
 
 #include "format/io/interrupt.hpp"
 

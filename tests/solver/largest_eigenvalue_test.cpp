@@ -1,7 +1,7 @@
 // The largest eigenfrequency against dense eigenvalues; the bound of the spans above it.
-#include "solver/largest_eigenvalue.hpp"
+#include "solver/mechanics/largest_eigenvalue.hpp"
 
-#include "solver/element_bound.hpp"
+#include "solver/mechanics/element_bound.hpp"
 #include "tests/solver/eigen_support.hpp"
 
 #include <Eigen/Eigenvalues>

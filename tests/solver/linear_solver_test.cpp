@@ -1,9 +1,9 @@
 // Factorised systems: solutions against the matrix they were made from, inertia of known matrices, refusals.
-#include "solver/linear_solver.hpp"
+#include "solver/linalg/linear_solver.hpp"
 
 #include "format/model/errors.hpp"
-#include "solver/free_memory.hpp"
-#include "solver/node_ordering.hpp"
+#include "solver/linalg/free_memory.hpp"
+#include "solver/linalg/node_ordering.hpp"
 #include "tests/solver/eigen_support.hpp"
 
 #include <Eigen/Eigenvalues>

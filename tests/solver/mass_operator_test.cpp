@@ -1,5 +1,5 @@
 // Masses as operators, against dense matrices and the series they stand for.
-#include "solver/mass_operator.hpp"
+#include "solver/mechanics/mass_operator.hpp"
 
 #include "format/model/errors.hpp"
 #include "tests/solver/eigen_support.hpp"

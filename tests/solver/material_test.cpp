@@ -1,4 +1,4 @@
-#include "solver/material.hpp"
+#include "solver/mechanics/material.hpp"
 
 #include "format/model/errors.hpp"
 

@@ -1,5 +1,5 @@
 // Linear fields on trimmed parts: constant stress, balance with the traction, and every way to impose displacements.
-#include "solver/assemble.hpp"
+#include "solver/mechanics/assemble.hpp"
 #include "tests/embed/surfaces.hpp"
 #include "tests/solver/static_support.hpp"
 #include "tests/solver/trimmed_part.hpp"

@@ -1,5 +1,5 @@
 // [[support]], [[load]] and [[probe]]: what a run file may say and what is refused, with its line.
-#include "solver/read_supports.hpp"
+#include "solver/supports/read_supports.hpp"
 
 #include "format/model/errors.hpp"
 #include "tests/support/temp_folder.hpp"

@@ -1,7 +1,7 @@
-#include "solver/solution_space.hpp"
+#include "solver/space/solution_space.hpp"
 
 #include "format/model/bspline_basis.hpp"
-#include "solver/assemble.hpp"
+#include "solver/mechanics/assemble.hpp"
 #include "tests/support/synthetic_model.hpp"
 
 #include <gtest/gtest.h>

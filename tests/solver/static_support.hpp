@@ -2,7 +2,7 @@
 #pragma once
 
 #include "format/model/vec3.hpp"
-#include "solver/static_analysis.hpp"
+#include "solver/analysis/static_analysis.hpp"
 
 #include <algorithm>
 

@@ -1,8 +1,8 @@
 // Reactions, definiteness and refusals of supports and loads on exact boxes.
 #include "format/model/errors.hpp"
-#include "solver/assemble.hpp"
-#include "solver/eigen_analysis.hpp"
-#include "solver/support_check.hpp"
+#include "solver/analysis/eigen_analysis.hpp"
+#include "solver/mechanics/assemble.hpp"
+#include "solver/supports/support_check.hpp"
 #include "tests/solver/static_support.hpp"
 #include "tests/support/synthetic_model.hpp"
 

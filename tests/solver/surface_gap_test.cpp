@@ -1,5 +1,5 @@
 // The narrowest gap between bodies of a surface, known by construction.
-#include "solver/surface_gap.hpp"
+#include "solver/report/surface_gap.hpp"
 #include "tests/support/small_surfaces.hpp"
 
 #include <gtest/gtest.h>

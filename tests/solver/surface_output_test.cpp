@@ -1,10 +1,10 @@
 // The surface for output has no cracks and no long edges; fields on it are those of the spline.
-#include "solver/surface_output.hpp"
+#include "solver/output/surface_output.hpp"
 
 #include "format/model/errors.hpp"
 #include "format/model/span_state.hpp"
 #include "format/model/vec3.hpp"
-#include "solver/nearest_span.hpp"
+#include "solver/space/nearest_span.hpp"
 #include "tests/support/synthetic_model.hpp"
 #include "tests/support/synthetic_results.hpp"
 

@@ -1,8 +1,8 @@
 #include "tests/solver/trimmed_part.hpp"
 
-#include "preprocessor/build_quadrature.hpp"
-#include "preprocessor/surface_quadrature.hpp"
-#include "preprocessor/trim.hpp"
+#include "preprocessor/quadrature/build_quadrature.hpp"
+#include "preprocessor/quadrature/surface_quadrature.hpp"
+#include "preprocessor/trim/trim.hpp"
 #include "tests/embed/surfaces.hpp"
 
 namespace iga::test {

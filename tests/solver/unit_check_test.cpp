@@ -1,5 +1,5 @@
 // Real solids in every consistent set of units in use raise no warning; numbers typed in another set do.
-#include "solver/unit_check.hpp"
+#include "solver/mechanics/unit_check.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

@@ -1,8 +1,8 @@
 // Judging and mending surfaces: small shapes with known volumes.
-#include "preprocessor/prepare_surface.hpp"
+#include "preprocessor/surface/prepare_surface.hpp"
 
 #include "format/model/errors.hpp"
-#include "preprocessor/surface_topology.hpp"
+#include "preprocessor/surface/surface_topology.hpp"
 #include "tests/surface/shapes.hpp"
 
 #include <algorithm>

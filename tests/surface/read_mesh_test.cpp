@@ -1,5 +1,5 @@
 // Readers: what is accepted, to the last bit, and how each kind of bad file is refused.
-#include "preprocessor/read_mesh.hpp"
+#include "preprocessor/surface/read_mesh.hpp"
 
 #include "format/io/sha256.hpp"
 #include "format/model/errors.hpp"

@@ -1,7 +1,7 @@
 // Small surfaces that the surface tests build on.
 #pragma once
 
-#include "preprocessor/read_mesh.hpp"
+#include "preprocessor/surface/read_mesh.hpp"
 
 #include <array>
 #include <vector>

@@ -1,7 +1,7 @@
 // Real parts and flawed ones: what the preparation must make of each file of the shared folder.
 #include "format/model/errors.hpp"
-#include "preprocessor/prepare_surface.hpp"
-#include "preprocessor/surface_topology.hpp"
+#include "preprocessor/surface/prepare_surface.hpp"
+#include "preprocessor/surface/surface_topology.hpp"
 
 #include <filesystem>
 #include <gtest/gtest.h>

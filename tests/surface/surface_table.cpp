@@ -1,6 +1,6 @@
 // Prints what becomes of surface files: surface_table [--repair] [--wrap] files…
 #include "format/model/errors.hpp"
-#include "preprocessor/prepare_surface.hpp"
+#include "preprocessor/surface/prepare_surface.hpp"
 
 #include <chrono>
 #include <cstring>

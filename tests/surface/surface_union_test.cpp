@@ -1,8 +1,8 @@
 // What a surface encloses at least once: overlapping bodies, surfaces that cross themselves, shared faces, free sheets.
-#include "preprocessor/prepare_surface.hpp"
+#include "preprocessor/surface/prepare_surface.hpp"
 
 #include "format/model/errors.hpp"
-#include "preprocessor/surface_topology.hpp"
+#include "preprocessor/surface/surface_topology.hpp"
 #include "tests/surface/lattice.hpp"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // Stiffness of the contact springs and the budget of stability they share: numerics in README.md, section 3.
 #include "format/model/vec3.hpp"
+#include "solver/base/index.hpp"
 #include "solver/explicit/contact/contact_model.hpp"
-#include "solver/explicit/contact/index.hpp"
 
 #include <algorithm>
 #include <cmath>

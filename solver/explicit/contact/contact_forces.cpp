@@ -1,7 +1,7 @@
 // Normal and frictional forces of the touches, their energies, and the way back to the nodes.
 #include "format/model/vec3.hpp"
+#include "solver/base/index.hpp"
 #include "solver/explicit/contact/contact_model.hpp"
-#include "solver/explicit/contact/index.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 #include "solver/explicit/contact/contact_mesh.hpp"
 
 #include "format/model/vec3.hpp"
-#include "solver/explicit/contact/bvh.hpp"
-#include "solver/explicit/contact/index.hpp"
+#include "solver/base/bvh.hpp"
+#include "solver/base/index.hpp"
 
 #include <algorithm>
 #include <map>

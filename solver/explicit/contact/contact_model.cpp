@@ -2,7 +2,7 @@
 
 #include "format/model/errors.hpp"
 #include "format/model/vec3.hpp"
-#include "solver/explicit/contact/index.hpp"
+#include "solver/base/index.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>

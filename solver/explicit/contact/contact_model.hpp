@@ -3,7 +3,7 @@
 
 #include "solver/explicit/contact/contact_spring.hpp"
 #include "solver/explicit/contact/touch.hpp"
-#include "solver/explicit/force_source.hpp"
+#include "solver/explicit/motion/force_source.hpp"
 
 namespace iga::solve {
 

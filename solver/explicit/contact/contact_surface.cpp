@@ -1,6 +1,6 @@
 #include "solver/explicit/contact/contact_surface.hpp"
 
-#include "solver/surface_output.hpp"
+#include "solver/output/surface_output.hpp"
 
 #include <algorithm>
 #include <numeric>

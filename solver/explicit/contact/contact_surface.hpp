@@ -1,8 +1,8 @@
 // The embedded surface of a body made ready for contact: fine triangles whose vertices move with the spline.
 #pragma once
 
-#include "solver/explicit/contact_body.hpp"
-#include "solver/solution_space.hpp"
+#include "solver/explicit/motion/contact_body.hpp"
+#include "solver/space/solution_space.hpp"
 
 #include <vector>
 

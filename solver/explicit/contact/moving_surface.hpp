@@ -1,7 +1,7 @@
 // A triangulated side of contact in motion: the surface of a deformable body or a rigid tool.
 #pragma once
 
-#include "solver/explicit/contact/bvh.hpp"
+#include "solver/base/bvh.hpp"
 #include "solver/explicit/contact/contact_mesh.hpp"
 #include "solver/explicit/contact/contact_surface.hpp"
 #include "solver/explicit/contact/rigid_body.hpp"

@@ -1,7 +1,7 @@
 #include "solver/explicit/contact/pair_motion.hpp"
 
 #include "format/model/vec3.hpp"
-#include "solver/explicit/contact/index.hpp"
+#include "solver/base/index.hpp"
 
 #include <algorithm>
 #include <cmath>

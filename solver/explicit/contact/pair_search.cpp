@@ -3,8 +3,8 @@
 #include "format/io/settings_reader.hpp"
 #include "format/model/errors.hpp"
 #include "format/model/vec3.hpp"
-#include "solver/explicit/contact/closest_point.hpp"
-#include "solver/explicit/contact/index.hpp"
+#include "solver/base/closest_point.hpp"
+#include "solver/base/index.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 #include "solver/explicit/contact/rigid_body.hpp"
 
 #include "format/model/errors.hpp"
-#include "solver/dense_algebra.hpp"
+#include "solver/base/dense_algebra.hpp"
 
 #include <algorithm>
 #include <cmath>

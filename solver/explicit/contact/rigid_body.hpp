@@ -2,8 +2,8 @@
 #pragma once
 
 #include "format/model/triangle_mesh.hpp"
-#include "solver/explicit/contact_body.hpp"
-#include "solver/explicit/time_curve.hpp"
+#include "solver/explicit/motion/contact_body.hpp"
+#include "solver/explicit/motion/time_curve.hpp"
 
 #include <Eigen/Geometry>
 

@@ -1,9 +1,9 @@
 // How deep bodies lie in each other before the first step, however deep: what the narrow phase does not see counts too.
 #include "format/model/errors.hpp"
 #include "format/model/vec3.hpp"
-#include "solver/explicit/contact/closest_point.hpp"
+#include "solver/base/closest_point.hpp"
+#include "solver/base/index.hpp"
 #include "solver/explicit/contact/contact_model.hpp"
-#include "solver/explicit/contact/index.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -5,8 +5,8 @@
 #include "format/io/stl_reader.hpp"
 #include "format/model/errors.hpp"
 #include "format/model/vec3.hpp"
+#include "solver/base/index.hpp"
 #include "solver/explicit/contact/contact_mesh.hpp"
-#include "solver/explicit/contact/index.hpp"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 #include "solver/explicit/contact/touch.hpp"
 
 #include "format/model/vec3.hpp"
-#include "solver/explicit/contact/closest_point.hpp"
-#include "solver/explicit/contact/index.hpp"
+#include "solver/base/closest_point.hpp"
+#include "solver/base/index.hpp"
 
 #include <algorithm>
 #include <cmath>

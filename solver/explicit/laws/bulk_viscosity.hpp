@@ -1,10 +1,10 @@
 // Bulk viscosity around any law: a pressure against compression that spreads shocks over a few spans (numerics 6.4).
 #pragma once
 
-#include "solver/explicit/law.hpp"
-#include "solver/explicit/laws/pack_math.hpp"
-#include "solver/explicit/laws/pack_tensor.hpp"
-#include "solver/material.hpp"
+#include "solver/explicit/laws/law.hpp"
+#include "solver/explicit/simd/pack_math.hpp"
+#include "solver/explicit/simd/pack_tensor.hpp"
+#include "solver/mechanics/material.hpp"
 
 namespace iga::solve {
 

@@ -1,7 +1,7 @@
 // What keeps a point from being crushed to nothing: an energy that grows without bound as it is squeezed flat.
 #pragma once
 
-#include "solver/explicit/laws/pack_tensor.hpp"
+#include "solver/explicit/simd/pack_tensor.hpp"
 
 #include <cmath>
 

@@ -1,10 +1,10 @@
 // Crushable foam whose principal stresses are cut independently (MODEL 0 of *MAT_CRUSHABLE_FOAM, numerics 7.3).
 #pragma once
 
-#include "solver/explicit/law.hpp"
 #include "solver/explicit/laws/curve.hpp"
 #include "solver/explicit/laws/inversion.hpp"
-#include "solver/material.hpp"
+#include "solver/explicit/laws/law.hpp"
+#include "solver/mechanics/material.hpp"
 
 #include <optional>
 #include <string>

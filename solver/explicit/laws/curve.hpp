@@ -1,7 +1,7 @@
 // A piecewise linear curve y(x): yield stress over strain.
 #pragma once
 
-#include "solver/explicit/laws/pack.hpp"
+#include "solver/explicit/simd/pack.hpp"
 
 #include <filesystem>
 #include <string>

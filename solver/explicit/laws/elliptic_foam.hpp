@@ -2,10 +2,10 @@
 // doi 10.1016/S0022-5096(99)00082-4; MODEL 1 of *MAT_CRUSHABLE_FOAM is of this kind), numerics 7.4.
 #pragma once
 
-#include "solver/explicit/law.hpp"
 #include "solver/explicit/laws/curve.hpp"
 #include "solver/explicit/laws/inversion.hpp"
-#include "solver/material.hpp"
+#include "solver/explicit/laws/law.hpp"
+#include "solver/mechanics/material.hpp"
 
 #include <variant>
 

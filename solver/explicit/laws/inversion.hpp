@@ -1,8 +1,8 @@
 // What becomes of a point whose volume ratio J = det F fell below what its law is meant for.
 #pragma once
 
-#include "solver/explicit/law.hpp"
-#include "solver/explicit/laws/pack_tensor.hpp"
+#include "solver/explicit/laws/law.hpp"
+#include "solver/explicit/simd/pack_tensor.hpp"
 
 namespace iga::solve {
 

@@ -1,8 +1,8 @@
 #include "solver/explicit/laws/j2_plasticity.hpp"
 
 #include "format/model/errors.hpp"
-#include "solver/explicit/laws/pack_math.hpp"
 #include "solver/explicit/laws/stress_rate.hpp"
+#include "solver/explicit/simd/pack_math.hpp"
 
 #include <cmath>
 #include <fmt/format.h>

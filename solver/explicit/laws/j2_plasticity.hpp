@@ -1,10 +1,10 @@
 // Metal plasticity: von Mises yield surface, isotropic hardening, rate factor; in rate form (numerics 7.2).
 #pragma once
 
-#include "solver/explicit/law.hpp"
 #include "solver/explicit/laws/curve.hpp"
 #include "solver/explicit/laws/inversion.hpp"
-#include "solver/material.hpp"
+#include "solver/explicit/laws/law.hpp"
+#include "solver/mechanics/material.hpp"
 
 namespace iga::solve {
 

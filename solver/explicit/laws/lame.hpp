@@ -2,7 +2,7 @@
 #pragma once
 
 #include "solver/explicit/laws/inversion.hpp"
-#include "solver/material.hpp"
+#include "solver/mechanics/material.hpp"
 
 #include <cmath>
 

@@ -1,8 +1,8 @@
 // Linear elasticity of small strains.
 #pragma once
 
-#include "solver/explicit/law.hpp"
-#include "solver/material.hpp"
+#include "solver/explicit/laws/law.hpp"
+#include "solver/mechanics/material.hpp"
 
 namespace iga::solve {
 

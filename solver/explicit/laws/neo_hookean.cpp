@@ -1,7 +1,7 @@
 #include "solver/explicit/laws/neo_hookean.hpp"
 
 #include "solver/explicit/laws/compaction.hpp"
-#include "solver/explicit/laws/pack_math.hpp"
+#include "solver/explicit/simd/pack_math.hpp"
 
 namespace iga::solve {
 

@@ -1,7 +1,7 @@
 // Isotropic functions of symmetric tensors without eigenvectors.
 #pragma once
 
-#include "solver/explicit/laws/pack_tensor.hpp"
+#include "solver/explicit/simd/pack_tensor.hpp"
 
 namespace iga::solve {
 

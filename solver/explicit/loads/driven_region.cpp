@@ -1,7 +1,7 @@
 #include "solver/explicit/loads/driven_region.hpp"
 
 #include "format/model/errors.hpp"
-#include "solver/in_order.hpp"
+#include "solver/base/in_order.hpp"
 
 #include <algorithm>
 #include <cmath>

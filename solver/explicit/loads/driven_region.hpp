@@ -1,10 +1,10 @@
 // Prescribed motion of a surface region by springs: β ∫ (u - u_D) · N_i dA with β from the mass that a step can move.
 #pragma once
 
-#include "solver/explicit/force_source.hpp"
-#include "solver/explicit/time_curve.hpp"
-#include "solver/solution_space.hpp"
-#include "solver/surface_region.hpp"
+#include "solver/explicit/motion/force_source.hpp"
+#include "solver/explicit/motion/time_curve.hpp"
+#include "solver/space/solution_space.hpp"
+#include "solver/space/surface_region.hpp"
 
 #include <optional>
 

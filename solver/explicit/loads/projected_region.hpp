@@ -1,9 +1,9 @@
 // Prescribed motion of a surface region without springs: velocities are projected after their update.
 #pragma once
 
-#include "solver/explicit/force_source.hpp"
 #include "solver/explicit/loads/driven_region.hpp"
-#include "solver/mass_operator.hpp"
+#include "solver/explicit/motion/force_source.hpp"
+#include "solver/mechanics/mass_operator.hpp"
 
 #include <Eigen/SparseCholesky>
 

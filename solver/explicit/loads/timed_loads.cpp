@@ -1,7 +1,7 @@
 #include "solver/explicit/loads/timed_loads.hpp"
 
 #include "format/model/errors.hpp"
-#include "solver/in_order.hpp"
+#include "solver/base/in_order.hpp"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>

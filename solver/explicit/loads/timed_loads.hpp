@@ -1,9 +1,9 @@
 // Loads of one body that change with time: dead loads by a factor, pressure that follows the deformed surface.
 #pragma once
 
-#include "solver/explicit/force_source.hpp"
-#include "solver/explicit/time_curve.hpp"
-#include "solver/loads.hpp"
+#include "solver/explicit/motion/force_source.hpp"
+#include "solver/explicit/motion/time_curve.hpp"
+#include "solver/mechanics/loads.hpp"
 
 namespace iga::solve {
 

@@ -1,7 +1,7 @@
 // The parts contact is made of: surfaces, shapes, rigid bodies, curves, searches.
 #include "format/model/errors.hpp"
 #include "format/model/vec3.hpp"
-#include "solver/explicit/contact/closest_point.hpp"
+#include "solver/base/closest_point.hpp"
 #include "solver/explicit/contact/tool_mesh.hpp"
 #include "tests/solver/explicit/contact_scene.hpp"
 #include "tests/support/temp_folder.hpp"

@@ -1,6 +1,6 @@
 // Contact where it goes wrong first: bodies placed in each other, speed, edges, spinning balls; Hertz' impact.
 #include "format/model/errors.hpp"
-#include "solver/explicit/integrator.hpp"
+#include "solver/explicit/motion/integrator.hpp"
 #include "tests/solver/explicit/contact_scene.hpp"
 
 #include <gtest/gtest.h>

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "solver/explicit/contact/contact_model.hpp"
-#include "solver/largest_eigenvalue.hpp"
+#include "solver/mechanics/largest_eigenvalue.hpp"
 #include "tests/solver/eigen_support.hpp"
 
 #include <memory>

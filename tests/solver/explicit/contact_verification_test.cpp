@@ -1,7 +1,7 @@
 // Contact in time against closed forms: impact of bars, Hertz, sliding on an incline, bounce, pressed blocks.
-#include "solver/explicit/integrator.hpp"
 #include "solver/explicit/loads/timed_loads.hpp"
-#include "solver/sample_fields.hpp"
+#include "solver/explicit/motion/integrator.hpp"
+#include "solver/output/sample_fields.hpp"
 #include "tests/solver/explicit/contact_scene.hpp"
 
 #include <gtest/gtest.h>

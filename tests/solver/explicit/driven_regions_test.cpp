@@ -1,7 +1,7 @@
 // Motion prescribed on a part of the surface: by springs within the budget of stability, and by projection.
-#include "solver/explicit/integrator.hpp"
 #include "solver/explicit/loads/driven_region.hpp"
 #include "solver/explicit/loads/projected_region.hpp"
+#include "solver/explicit/motion/integrator.hpp"
 #include "tests/solver/explicit/contact_scene.hpp"
 
 #include <gtest/gtest.h>

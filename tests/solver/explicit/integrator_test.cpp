@@ -1,5 +1,5 @@
 // Explicit runs against closed forms and conservation laws.
-#include "solver/explicit/integrator.hpp"
+#include "solver/explicit/motion/integrator.hpp"
 
 #include "format/model/errors.hpp"
 #include "tests/support/synthetic_model.hpp"

@@ -1,7 +1,7 @@
 // Leads eight points through deformations, as the kernel does.
 #pragma once
 
-#include "solver/explicit/law.hpp"
+#include "solver/explicit/laws/law.hpp"
 
 #include <Eigen/Dense>
 

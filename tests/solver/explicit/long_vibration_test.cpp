@@ -1,5 +1,5 @@
 // Free vibration over 100 000 steps: neither energy nor momenta may creep.
-#include "solver/explicit/integrator.hpp"
+#include "solver/explicit/motion/integrator.hpp"
 #include "tests/support/synthetic_model.hpp"
 
 #include <gtest/gtest.h>

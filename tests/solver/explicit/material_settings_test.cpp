@@ -1,4 +1,4 @@
-#include "solver/explicit/material_settings.hpp"
+#include "solver/explicit/laws/material_settings.hpp"
 
 #include "format/io/settings_reader.hpp"
 #include "format/model/errors.hpp"

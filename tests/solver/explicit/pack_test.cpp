@@ -1,5 +1,5 @@
-#include "solver/explicit/laws/pack_math.hpp"
 #include "solver/explicit/laws/principal.hpp"
+#include "solver/explicit/simd/pack_math.hpp"
 #include "tests/solver/explicit/law_driver.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,6 @@
 // Rotational inertia of mass matrices beside that of the quadrature points.
-#include "solver/explicit/rotational_inertia.hpp"
+#include "solver/analysis/run_settings.hpp"
+#include "solver/explicit/motion/rotational_inertia.hpp"
 
 #include "tests/support/synthetic_model.hpp"
 

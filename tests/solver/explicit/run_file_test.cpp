@@ -1,9 +1,9 @@
 // The run file of `igasolve explicit`: what is read, what is refused and with which words; restart files give back
 // every bit.
-#include "solver/explicit/run_file.hpp"
+#include "solver/explicit/run/run_file.hpp"
 
 #include "format/model/errors.hpp"
-#include "solver/explicit/run_restart.hpp"
+#include "solver/explicit/run/run_restart.hpp"
 #include "tests/support/temp_folder.hpp"
 
 #include <cmath>

@@ -1,8 +1,8 @@
 // What a run is made of, together: contact with a rigid body, constraints of the velocity, initial fields, the end of a
 // run, hard vibrations.
 #include "format/model/vec3.hpp"
-#include "solver/explicit/integrator.hpp"
-#include "solver/explicit/placement.hpp"
+#include "solver/explicit/motion/integrator.hpp"
+#include "solver/explicit/motion/placement.hpp"
 #include "tests/solver/explicit/contact_scene.hpp"
 
 #include <gtest/gtest.h>

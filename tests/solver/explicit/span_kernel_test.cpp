@@ -1,7 +1,7 @@
 // Internal forces of the explicit kernel against the assembled stiffness, closed forms and themselves.
-#include "solver/explicit/internal_forces.hpp"
+#include "solver/explicit/kernel/internal_forces.hpp"
 
-#include "solver/assemble.hpp"
+#include "solver/mechanics/assemble.hpp"
 #include "tests/support/synthetic_model.hpp"
 
 #include <Eigen/Geometry>

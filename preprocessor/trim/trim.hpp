@@ -1,0 +1,46 @@
+// States and exact volume fractions of all spans, from one pass over the surface pieces (suffix sums along rows).
+#pragma once
+
+#include "preprocessor/trim/clip.hpp"
+
+#include <cstdint>
+#include <vector>
+
+namespace iga::prep {
+
+struct TrimOptions {
+  /// Depth, in spans: a cut that stays this close to the span's faces is snapped. Never below the rounding of
+  /// positions.
+  double sliver_tolerance = 2e-5;
+  double min_fraction = 0; ///< trimmed spans with a smaller fraction are dropped (counted, volume recorded)
+};
+
+/// A row of spans along one axis in which the crossings do not cancel: the surface leaks there.
+struct Leak {
+  Index3 span{};    ///< first span (from the high end) where it shows
+  double error = 0; ///< how far the fraction lies outside what is possible, in span volumes
+};
+
+struct Trimming {
+  std::vector<std::uint8_t> state;      ///< (num_spans); SpanState, u fastest
+  std::vector<std::int64_t> active;     ///< (num_active); INTERIOR and TRIMMED spans, ascending
+  std::vector<double> fraction;         ///< (num_active); exact fraction, also of spans snapped to INTERIOR
+  SurfacePieces pieces;                 ///< of all touched spans, snapped and dropped ones included
+  std::vector<double> touched_fraction; ///< (num_touched); exact fraction of pieces.spans
+  std::vector<std::uint8_t> face_state; ///< (num_touched × 6): see FaceState; faces u-, u+, v-, v+, w-, w+
+  double exact_volume = 0;              ///< Σ fractions · span volume before snapping and dropping, length³
+  double snapped_volume = 0;      ///< added by snapping to INTERIOR less removed by snapping to EXTERIOR, length³
+  double dropped_volume = 0;      ///< length³
+  std::int64_t snapped_spans = 0; ///< spans whose volume snapping changed
+  std::int64_t dropped_spans = 0;
+  std::vector<Leak> leaks; ///< the worst rows, at most 20, largest error first
+  double worst_leak = 0;   ///< in span volumes; rounding only for a closed surface
+  std::int64_t num_leaks = 0;
+};
+
+/// What a span's face shows of the solid just inside the span.
+enum class FaceState : std::uint8_t { Empty = 0, Full = 1, Crossed = 2 };
+
+Trimming trim(const SplineGrid& grid, const TriangleMesh& mesh, const TrimOptions& options);
+
+} // namespace iga::prep

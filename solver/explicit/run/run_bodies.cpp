@@ -1,0 +1,93 @@
+// [[bodies]] of a run file.
+#include "format/model/errors.hpp"
+#include "solver/analysis/run_settings.hpp"
+#include "solver/explicit/run/run_parts.hpp"
+
+#include <fmt/format.h>
+#include <numbers>
+
+namespace iga::solve {
+
+namespace {
+
+MassType read_mass(io::SettingsTable& table) {
+  const std::array<std::string, 3> names{"lumped", "two-pass", "three-pass"};
+  constexpr std::array types{MassType::Lumped, MassType::TwoPass, MassType::ThreePass};
+  return types[choose(table, "mass", table.text("mass").value_or(names[0]), names)];
+}
+
+LightTreatment read_light(io::SettingsTable& table, MassType mass) {
+  const std::array<std::string, 4> names{"none", "remove", "linear", "degree-p"};
+  constexpr std::array remedies{LightFunctions::None, LightFunctions::Remove, LightFunctions::Linear,
+                                LightFunctions::DegreeP};
+  LightTreatment light = default_light_treatment(mass);
+  const auto threshold = table.number("light_threshold");
+  if (const auto name = table.text("light_functions")) {
+    light.remedy = remedies[choose(table, "light_functions", *name, names)];
+    if (light.remedy == LightFunctions::Remove) light.threshold = 1e-8;
+  }
+  if (threshold) {
+    if (!(*threshold >= 0 && *threshold < 1))
+      refuse(table, "light_threshold", fmt::format("found {:g}, expected a mass fraction 0 … 1", *threshold));
+    light.threshold = *threshold;
+  }
+  return light;
+}
+
+// [bodies.place]
+Placement read_placement(io::SettingsTable&& table) {
+  Placement place;
+  place.shift = read_vector(table, "shift").value_or(Point3{});
+  place.about = read_vector(table, "about").value_or(Point3{});
+  const auto axis = read_vector(table, "axis");
+  const auto degrees = table.number("degrees");
+  if (axis.has_value() != degrees.has_value())
+    refuse(table, axis ? "axis" : "degrees", "a turn needs both axis = [x, y, z] and degrees");
+  if (axis) place.R = rotation_about(unit_vector(table, "axis", *axis), *degrees * std::numbers::pi / 180);
+  return place;
+}
+
+BodyRun read_body(io::SettingsTable& table, const Point3& gravity, ExplicitRun& run) {
+  BodyRun body;
+  const auto model = table.path("model");
+  if (!model) refuse(table, "model", "missing; give a model file made by igaprep");
+  body.model = *model;
+  body.where = place_of(table, "model");
+  body.place = read_placement(table.table("place"));
+  if (!std::filesystem::exists(body.model))
+    refuse(table, "model", fmt::format("there is no file {}", body.model.string()));
+  run.inputs.push_back({body.model, table.where("model")});
+  BodySettings& s = body.body;
+  s.name = read_name(table, "name", body.model.stem().string());
+  io::SettingsTable material = table.table("material");
+  body.material = read_material(material);
+  if (material.holds_text("yield_curve"))
+    run.inputs.push_back({*material.path("yield_curve"), material.where("yield_curve")});
+  for (const std::string& warning : body.material.warnings)
+    run.warnings.push_back(fmt::format("body '{}': {}", s.name, warning));
+  s.kernel.erode_inverted = body.material.inversion.action == InvertedPoints::Erode;
+  s.stop_at_inverted = body.material.inversion.action == InvertedPoints::Stop;
+  s.kernel.erosion_J = number_from(table, "erosion_volume_ratio", 0, 0);
+  s.mass = read_mass(table);
+  s.light = read_light(table, s.mass);
+  s.damping = number_from(table, "damping", 0, 0);
+  s.acceleration = gravity;
+  body.velocity = read_vector(table, "velocity").value_or(Point3{});
+  body.spin = read_vector(table, "spin").value_or(Point3{});
+  body.centre = read_vector(table, "spin_centre");
+  body.edge_length = number_from(table, "edge_length", 0, 0);
+  return body;
+}
+
+} // namespace
+
+void read_bodies(io::SettingsTable& root, const Point3& gravity, ExplicitRun& run) {
+  for (io::SettingsTable& table : root.tables("bodies")) {
+    run.bodies.push_back(read_body(table, gravity, run));
+    for (std::size_t b = 0; b + 1 < run.bodies.size(); ++b)
+      if (run.bodies[b].body.name == run.bodies.back().body.name)
+        refuse(table, "name", fmt::format("there is another body '{}'; give each a name", run.bodies[b].body.name));
+  }
+}
+
+} // namespace iga::solve

@@ -1,0 +1,37 @@
+// Every key that a run file may hold; README.md says what they mean.
+#include "solver/explicit/run/run_parts.hpp"
+#include "solver/supports/read_supports.hpp"
+
+namespace iga::solve {
+
+std::vector<io::TableKeys> run_file_keys() {
+  std::vector<io::TableKeys> keys{
+      {"", {"units", "gravity"}},
+      {"bodies",
+       {"name", "model", "mass", "light_functions", "light_threshold", "damping", "erosion_volume_ratio", "velocity",
+        "spin", "spin_centre", "edge_length"}},
+      {"bodies.place", {"shift", "about", "axis", "degrees"}},
+      {"bodies.material", material_keys()},
+      {"rigid_bodies",
+       {"name", "shape", "radius", "normal", "axis", "height", "size", "file", "scale", "density", "centre", "motion",
+        "mass", "inertia", "velocity", "spin", "guided", "rotates"}},
+      {"rigid_bodies.drive", {"kind", "smooth", "x", "y", "z", "rotation", "axis"}},
+      {"contact", {"skin"}},
+      {"contacts",
+       {"name", "bodies", "self", "first_regions", "second_regions", "friction", "friction_dynamic", "friction_decay",
+        "stiffness", "damping", "edges"}},
+      {"loads", {"body", "smooth", "factor", "follows"}},
+      {"supports", {"name", "body", "fixed", "stiffness", "damping"}},
+      {"supports.drive", {"kind", "smooth", "x", "y", "z"}},
+      {"time", {"end", "safety", "start_share", "dt_max", "dt_min", "hold", "growth", "max_steps"}},
+      {"energy", {"limit", "warning"}},
+      {"watch",
+       {"contact_warning", "contact_limit", "depth_warning", "depth_limit", "inverted_warning", "inverted_limit"}},
+      {"output", {"file", "interval", "field_interval", "restart_interval", "subdivide", "points", "viewer"}},
+      {"stop", {"quantity", "above", "below", "after"}}};
+  for (const auto& more : {load_keys("loads"), region_keys("supports")})
+    keys.insert(keys.end(), more.begin(), more.end());
+  return keys;
+}
+
+} // namespace iga::solve

@@ -1,0 +1,56 @@
+// Files that a run leaves while it goes on. At any time, kill -9 included, each of them is whole: a file appears under
+// a temporary name and is renamed, fields come as new files, and the results file that lists them is replaced last.
+#pragma once
+
+#include "format/model/results.hpp"
+#include "solver/explicit/run/run_scene.hpp"
+#include "solver/explicit/run/series_fields.hpp"
+
+#include <chrono>
+#include <filesystem>
+
+namespace iga::solve {
+
+/// The folder of the fields: out.h5 → out_fields.
+std::filesystem::path fields_folder(const std::filesystem::path& results);
+
+class RunOutputs {
+ public:
+  /// @param results  out.h5; beside it come out_fields/, out_vtp/ and out.pvd
+  /// @param head     header and bodies; the rest is filled in here
+  RunOutputs(const ExplicitScene& scene, std::filesystem::path results, Results head);
+
+  /// A new run: meshes are written, fields of an earlier run removed. @throws InputError with the system's reason
+  void begin();
+  /// A run that goes on: the first `steps` fields are kept. @throws InputError where they are missing
+  void resume(const FieldIndex& fields, std::size_t steps);
+  /// Fields of the present state, for viewers too; listed with the next publish.
+  void add_fields();
+  /// Replaces the results file.
+  void publish(const TimeSeries& series);
+  /// The same where that costs no more than a twentieth of the time since the last one: long series are written less
+  /// often than they grow.
+  void publish_if_cheap(const TimeSeries& series);
+
+  std::size_t num_fields() const { return results_.fields->times.size(); }
+  const std::filesystem::path& path() const { return path_; }
+  ResultsHeader& header() { return results_.header; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  std::string field_file(std::size_t step) const;
+  std::string viewer_file(std::size_t step, std::size_t part) const;
+  void write_viewer(const std::vector<BodyFields>& fields, std::size_t step);
+  void write_index() const;
+  void remove_fields_after(std::size_t steps) const;
+
+  const ExplicitScene& scene_;
+  std::filesystem::path path_, folder_;
+  Results results_;
+  std::vector<FieldSampler> samplers_;
+  std::vector<TriangleMesh> rigid_; ///< in their own frames
+  Clock::time_point published_ = Clock::now();
+  Clock::duration cost_{};
+};
+
+} // namespace iga::solve

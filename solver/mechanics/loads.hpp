@@ -1,0 +1,53 @@
+// Loads of a static analysis: body forces, tractions and pressure on regions, forces at points.
+#pragma once
+
+#include "solver/space/solution_space.hpp"
+#include "solver/space/surface_region.hpp"
+
+#include <functional>
+
+namespace iga::solve {
+
+enum class LoadKind {
+  BodyForce,    ///< vector: force/length³ everywhere in the part
+  Acceleration, ///< vector: length/time²; body force density · vector (gravity)
+  Traction,     ///< vector: force/length² on a region
+  Pressure,     ///< pressure p: traction -p n on a region
+  TotalForce,   ///< vector: force, spread evenly over a region
+  Point,        ///< vector: force at a position
+};
+
+struct Load {
+  std::string name;
+  LoadKind kind = LoadKind::Traction;
+  RegionChoice region;
+  Point3 vector{};     ///< in `frame`
+  double pressure = 0; ///< force/length², positive presses on the part
+  Point3 position{};   ///< length, the part's frame
+  Rotation frame = identity_rotation;
+};
+
+/// What a load turned out to be.
+struct LoadReport {
+  std::string name;
+  RegionReport region; ///< no points where the load acts on no region
+  Point3 force{};      ///< resultant, the part's frame
+  Point3 moment{};     ///< about the origin
+};
+
+struct LoadTerms {
+  Eigen::VectorXd load; ///< (num_unknowns)
+  std::vector<LoadReport> reports;
+};
+
+/// @throws InputError for a region without area or a point outside the part, naming the load
+LoadTerms assemble_loads(const SolutionSpace& space, double density, std::span<const Load> loads);
+
+/// Traction (force/length²) at a position with an outward unit normal.
+using TractionField = std::function<Point3(const Point3& position, const Point3& normal)>;
+
+/// f_i = ∫ N_i t dA over a region; the report gets its resultants. (num_unknowns)
+Eigen::VectorXd traction_load(const SolutionSpace& space, const SurfaceRegion& region, const TractionField& traction,
+                              LoadReport& report);
+
+} // namespace iga::solve

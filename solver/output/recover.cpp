@@ -1,0 +1,51 @@
+#include "solver/output/recover.hpp"
+
+#include "solver/output/sample_fields.hpp"
+
+#include <fmt/format.h>
+
+namespace iga::solve {
+
+FieldSamples recover_fields(const SolutionSpace& space, const ElasticMaterial& material, const Eigen::VectorXd& u,
+                            std::span<const std::int64_t> offsets, const std::vector<double>& parameters) {
+  SamplePoints points;
+  points.parameters = parameters;
+  for (std::int64_t a = 0; a < space.num_spans(); ++a) {
+    const auto first = static_cast<std::size_t>(a);
+    points.span.insert(points.span.end(), static_cast<std::size_t>(offsets[first + 1] - offsets[first]), a);
+  }
+  return sample_fields(space, material, points, u, Fields::All);
+}
+
+double strain_energy(const TrimmedModel& model, const FieldSamples& fields) {
+  double energy = 0;
+  for (std::size_t q = 0; q < model.points.weights.size(); ++q) {
+    double density = 0;
+    for (std::size_t k = 0; k < 6; ++k) density += fields.stress[6 * q + k] * fields.strain[6 * q + k];
+    energy += 0.5 * model.points.weights[q] * density;
+  }
+  return energy;
+}
+
+std::vector<LocatedPoint> locate_probes(const TrimmedModel& model, std::span<const Probe> probes) {
+  std::vector<LocatedPoint> located;
+  for (const Probe& probe : probes)
+    located.push_back(locate(model, probe.position, fmt::format("probe '{}'", probe.name)));
+  return located;
+}
+
+ProbeResult recover_probes(const SolutionSpace& space, const ElasticMaterial& material, const Eigen::VectorXd& u,
+                           std::span<const Probe> probes, std::span<const LocatedPoint> located) {
+  ProbeResult result;
+  SamplePoints points;
+  for (std::size_t k = 0; k < probes.size(); ++k) {
+    result.names.push_back(probes[k].name);
+    result.positions.insert(result.positions.end(), located[k].position.begin(), located[k].position.end());
+    points.span.push_back(located[k].span);
+    points.parameters.insert(points.parameters.end(), located[k].parameter.begin(), located[k].parameter.end());
+  }
+  result.fields = sample_fields(space, material, points, u, Fields::All);
+  return result;
+}
+
+} // namespace iga::solve

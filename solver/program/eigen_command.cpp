@@ -1,0 +1,189 @@
+// igasolve eigen and timestep: modes or the largest eigenfrequency, as report and results file.
+#include "format/io/run_tool.hpp"
+#include "solver/analysis/eigen_analysis.hpp"
+#include "solver/analysis/timestep_analysis.hpp"
+#include "solver/mechanics/largest_eigenvalue.hpp"
+#include "solver/output/surface_output.hpp"
+#include "solver/report/analysis_report.hpp"
+
+#include <numbers>
+
+namespace iga::solve {
+
+namespace {
+
+constexpr double two_pi = 2 * std::numbers::pi;
+
+const char* name_of(ModeKind kind) {
+  return kind == ModeKind::Rigid ? "rigid" : kind == ModeKind::Mechanism ? "mechanism" : "elastic";
+}
+
+// Cycles per time; what rounding leaves of a rigid motion is no frequency.
+double frequency(const ModeSet& modes, Eigen::Index m) {
+  return modes.kind[static_cast<std::size_t>(m)] == ModeKind::Rigid
+             ? 0
+             : std::sqrt(std::max(modes.lambda[m], 0.0)) / two_pi;
+}
+
+Results mode_results(const AnalysisRun& run, const EigenOutcome& outcome) {
+  const SolutionSpace& space = *outcome.space;
+  const ModeSet& modes = outcome.modes;
+  Results results;
+  results.header = results_header(run, "eigen", space);
+  results.active_functions = run.model.active_functions;
+  EigenResult eigen;
+  eigen.mass = solve::name_of(run.settings.mass);
+  if (modes.sturm && modes.sturm->shift > 0) eigen.complete_below = std::sqrt(modes.sturm->shift) / two_pi;
+  std::vector<double> steps;
+  for (Eigen::Index m = 0; m < modes.lambda.size(); ++m) {
+    eigen.frequencies.push_back(frequency(modes, m));
+    eigen.omega_squared.push_back(modes.lambda[m]);
+    eigen.residuals.push_back(modes.residual[m]);
+    const ModeKind kind = modes.kind[static_cast<std::size_t>(m)];
+    eigen.kind.push_back(kind == ModeKind::Rigid       ? EigenResult::Rigid
+                         : kind == ModeKind::Mechanism ? EigenResult::Mechanism
+                                                       : EigenResult::Elastic);
+    const Eigen::VectorXd all = space.expand(modes.vectors.col(m));
+    eigen.modes.insert(eigen.modes.end(), all.data(), all.data() + all.size());
+    steps.push_back(static_cast<double>(m + 1));
+  }
+  results.eigen = std::move(eigen);
+  results.surface = sample_surface(space, run.settings.material, subdivide_surface(run.model, run.settings.subdivide),
+                                   modes.vectors, std::move(steps), Fields::VonMises);
+  return results;
+}
+
+io::JsonObject json_of(const SturmCount& count) {
+  return io::JsonObject()
+      .add("below_frequency", std::sqrt(std::max(count.shift, 0.0)) / two_pi)
+      .add("expected", count.expected)
+      .add("found", count.found);
+}
+
+std::string modes_text(const AnalysisRun& run, const EigenOutcome& outcome) {
+  const ModeSet& modes = outcome.modes;
+  TextReport report;
+  add_model(report, run, *outcome.space);
+  add_regions(report, outcome.regions);
+  report.line("mass", "{:.8g} ({}); {} {}", outcome.mass, solve::name_of(run.settings.mass), outcome.bodies,
+              outcome.bodies == 1 ? "body" : "separate bodies");
+  report.line("modes", "{} rigid, {} elastic{}", modes.rigid, modes.elastic,
+              modes.mechanisms ? fmt::format(", {} mechanisms (no stiffness, no rigid motion)", modes.mechanisms) : "");
+  if (modes.sturm)
+    report.line("complete", "{} modes of this model lie below {:.6g} by a Sturm count, {} were found",
+                modes.sturm->expected, std::sqrt(std::max(modes.sturm->shift, 0.0)) / two_pi, modes.sturm->found);
+  else if (modes.searched_again)
+    report.line("complete", "a second search found no other mode of this model (no proof; --sturm gives one)");
+  report.row("");
+  report.row("{:>6}  {:>16}  {:<9}  {:>8}", "mode", "frequency", "kind", "residual");
+  for (Eigen::Index m = 0; m < modes.lambda.size(); ++m)
+    report.row("{:>6}  {:>16.9g}  {:<9}  {:>8.1e}", m + 1, frequency(modes, m),
+               name_of(modes.kind[static_cast<std::size_t>(m)]), modes.residual[m]);
+  report.row("");
+  add_end(report, run);
+  return report.text();
+}
+
+std::string modes_json(const AnalysisRun& run, const EigenOutcome& outcome) {
+  const ModeSet& modes = outcome.modes;
+  std::vector<double> frequencies, residuals, omega_squared;
+  for (Eigen::Index m = 0; m < modes.lambda.size(); ++m) {
+    frequencies.push_back(frequency(modes, m));
+    residuals.push_back(modes.residual[m]);
+    omega_squared.push_back(modes.lambda[m]);
+  }
+  io::JsonObject report, factor;
+  add_model(report, run, *outcome.space);
+  report.add("mass_type", solve::name_of(run.settings.mass)).add("mass", outcome.mass).add("bodies", outcome.bodies);
+  report.add("supports", json_of(outcome.regions)).add("constraints", outcome.constraints);
+  report.add("rigid_modes", modes.rigid).add("mechanisms", modes.mechanisms).add("elastic_modes", modes.elastic);
+  report.add("frequencies", frequencies).add("omega_squared", omega_squared).add("residuals", residuals);
+  if (modes.sturm) report.add("sturm", json_of(*modes.sturm));
+  factor.add("nonzeros", modes.factor.nonzeros).add("flops", modes.factor.flops).add("bytes", modes.factor.bytes);
+  report.add("factor", factor).add("solves", modes.solves);
+  add_end(report, run);
+  return report.text();
+}
+
+std::string largest_text(const AnalysisRun& run, const EigenOutcome& outcome) {
+  TextReport report;
+  add_model(report, run, *outcome.space);
+  add_regions(report, outcome.regions);
+  report.line("mass", "{:.8g} ({})", outcome.mass, solve::name_of(run.settings.mass));
+  report.line("omega_max", "{:.9g} rad/time (residual {:.1e}), frequency {:.9g}", outcome.omega_max,
+              outcome.omega_max_residual, outcome.omega_max / two_pi);
+  report.line("dt_crit", "{:.9g} = 2 / omega_max", 2 / outcome.omega_max);
+  if (outcome.element)
+    report.line("bound", "{:.9g} rad/time from the spans alone (set by span {})", outcome.element->omega,
+                outcome.element->span);
+  add_end(report, run);
+  return report.text();
+}
+
+std::string largest_json(const AnalysisRun& run, const EigenOutcome& outcome) {
+  io::JsonObject report;
+  add_model(report, run, *outcome.space);
+  report.add("mass_type", solve::name_of(run.settings.mass)).add("mass", outcome.mass);
+  report.add("supports", json_of(outcome.regions));
+  report.add("omega_max", outcome.omega_max).add("residual", outcome.omega_max_residual);
+  report.add("omega_max_bound", omega_safety * outcome.omega_max).add("dt_crit", 2 / outcome.omega_max);
+  if (outcome.element) report.add("omega_spans", outcome.element->omega).add("bound_span", outcome.element->span);
+  add_end(report, run);
+  return report.text();
+}
+
+std::string timestep_text(const AnalysisRun& run, const TimestepOutcome& t) {
+  TextReport report;
+  add_model(report, run, *t.space);
+  add_regions(report, t.regions);
+  report.line("mass", "{:.8g} ({})", t.mass, solve::name_of(run.settings.mass));
+  report.line("omega_max", "{:.6g} rad/time by Lanczos to 1e-3 ({} products)", t.omega_max, t.products);
+  report.line("dt_crit", "{:.6g} = 2 / omega_max", t.dt_crit);
+  report.line("dt_safe", "{:.6g} with 1 % on omega_max; explicit runs take 0.9 of it", t.dt_safe);
+  if (t.element)
+    report.line("dt_spans", "{:.6g} from the spans alone (a bound; set by span {})", t.dt_element, t.element->span);
+  add_end(report, run);
+  return report.text();
+}
+
+std::string timestep_json(const AnalysisRun& run, const TimestepOutcome& t) {
+  io::JsonObject report;
+  add_model(report, run, *t.space);
+  report.add("mass_type", solve::name_of(run.settings.mass)).add("mass", t.mass).add("supports", json_of(t.regions));
+  report.add("omega_max", t.omega_max).add("omega_max_bound", t.omega_max_bound);
+  report.add("dt_crit", t.dt_crit).add("dt_safe", t.dt_safe).add("products", t.products);
+  if (t.element)
+    report.add("omega_spans", t.element->omega).add("dt_spans", t.dt_element).add("bound_span", t.element->span);
+  add_end(report, run);
+  return report.text();
+}
+
+void take(AnalysisRun& run, const Timings& timings, const std::vector<std::string>& warnings) {
+  run.timings.insert(run.timings.end(), timings.begin(), timings.end());
+  warn(run, warnings);
+}
+
+} // namespace
+
+int eigen_command(AnalysisRun& run) {
+  const EigenOutcome outcome = analyse_modes(run.settings, run.settings.eigen, run.model);
+  take(run, outcome.timings, outcome.warnings);
+  warn_of_joined_bodies(run, *outcome.space);
+  if (!run.settings.output.empty() && !run.settings.eigen.largest) write_outputs(run, mode_results(run, outcome));
+  const bool json = run.command.style == ReportStyle::Json;
+  if (run.settings.eigen.largest)
+    print_report(run, json ? largest_json(run, outcome) : largest_text(run, outcome));
+  else
+    print_report(run, json ? modes_json(run, outcome) : modes_text(run, outcome));
+  return io::exit_done;
+}
+
+int timestep_command(AnalysisRun& run) {
+  const TimestepOutcome outcome = analyse_timestep(run.settings, run.model);
+  take(run, outcome.timings, outcome.warnings);
+  warn_of_joined_bodies(run, *outcome.space);
+  print_report(run, run.command.style == ReportStyle::Json ? timestep_json(run, outcome) : timestep_text(run, outcome));
+  return io::exit_done;
+}
+
+} // namespace iga::solve

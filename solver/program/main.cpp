@@ -1,0 +1,26 @@
+// igasolve: runs one command and turns what went wrong into text and exit code.
+#include "format/io/interrupt.hpp"
+#include "format/io/run_tool.hpp"
+#include "solver/linalg/blas_threads.hpp"
+#include "solver/program/command_line.hpp"
+
+namespace {
+
+int run(int argc, const char* const* argv) {
+  using namespace iga::solve;
+  const std::optional<Command> command = parse_command_line(argc, argv);
+  if (!command) return iga::io::exit_done;
+  if (const auto* info = std::get_if<InfoCommand>(&*command)) return run_info(*info);
+  if (const auto* check = std::get_if<CheckCommand>(&*command)) return run_check(*check);
+  iga::io::install_signal_handlers();
+  if (const auto* tables = std::get_if<ExportCommand>(&*command)) return run_export(*tables);
+  if (const auto* run = std::get_if<ExplicitCommand>(&*command)) return run_explicit(*run);
+  return run_analysis(std::get<AnalysisCommand>(*command));
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+  iga::solve::keep_blas_within_memory(argv);
+  return iga::io::run_tool("igasolve", [&] { return run(argc, argv); });
+}

@@ -1,0 +1,26 @@
+// What a model file says of itself, and what model and material together show: to be read beside every result.
+#pragma once
+
+#include "format/model/trimmed_model.hpp"
+#include "solver/mechanics/material.hpp"
+#include "solver/space/solution_space.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace iga::solve {
+
+/// Warnings for the user of a result: those that igaprep left in the model file, and a material that fits no known set
+/// of units with the model's length unit.
+/// @param material  null where no density was given
+std::vector<std::string> model_warnings(const TrimmedModel& model, const ElasticMaterial* material);
+
+/// A warning where the surface has more bodies than the space has mechanically separate parts: functions that act on
+/// both sides of a narrow gap join them. Names the narrowest gap and the span size that would do.
+std::optional<std::string> joined_bodies_warning(const SolutionSpace& space);
+
+/// Each text with what it is about in front: "part.h5: …".
+std::vector<std::string> prefixed(const std::string& subject, const std::vector<std::string>& texts);
+
+} // namespace iga::solve

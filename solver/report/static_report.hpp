@@ -1,0 +1,12 @@
+// What a static analysis says on the terminal, for people and for scripts.
+#pragma once
+
+#include "format/io/json_text.hpp"
+#include "solver/analysis/static_analysis.hpp"
+
+namespace iga::solve {
+
+std::string static_text(const StaticSolution& solution);
+io::JsonObject static_json(const StaticSolution& solution);
+
+} // namespace iga::solve

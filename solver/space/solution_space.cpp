@@ -1,0 +1,179 @@
+#include "solver/space/solution_space.hpp"
+
+#include "format/model/errors.hpp"
+#include "solver/base/dense_algebra.hpp"
+#include "solver/space/light_functions.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+namespace iga::solve {
+
+namespace {
+
+struct LocalSpace {
+  std::vector<std::int32_t> nodes;
+  Eigen::MatrixXd extension; // empty where the nodes are the span's own functions
+};
+
+} // namespace
+
+SolutionSpace::SolutionSpace(const TrimmedModel& model, const LightTreatment& treatment)
+    : model_(&model), treatment_(treatment) {
+  const std::vector<std::int64_t> rows = function_rows(model);
+  LightFunctionPlan plan = plan_light_functions(model, rows, treatment);
+  warnings_ = std::move(plan.warnings);
+  fictitious_ = std::move(plan.fictitious);
+  num_light_ = static_cast<std::int64_t>(plan.slaves.size());
+
+  const std::size_t num_functions = model.active_functions.size();
+  std::vector<std::int32_t> slave_of(num_functions, -1), node_of(num_functions, -1);
+  for (std::size_t s = 0; s < plan.slaves.size(); ++s)
+    slave_of[static_cast<std::size_t>(plan.slaves[s].function)] = static_cast<std::int32_t>(s);
+  for (std::size_t f = 0; f < num_functions; ++f)
+    if (slave_of[f] < 0) {
+      node_of[f] = static_cast<std::int32_t>(node_function_.size());
+      node_function_.push_back(static_cast<std::int64_t>(f));
+    }
+  if (node_function_.empty())
+    throw InputError(fmt::format("all {} functions are light (mass fraction below {:.3g}) and removed; lower the "
+                                 "threshold or choose smaller spans",
+                                 num_functions, treatment.threshold));
+
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::size_t f = 0; f < num_functions; ++f) {
+    const auto row = static_cast<std::int32_t>(f);
+    if (node_of[f] >= 0)
+      entries.emplace_back(row, node_of[f], 1.0);
+    else
+      for (const auto& [master, weight] : plan.slaves[static_cast<std::size_t>(slave_of[f])].masters)
+        entries.emplace_back(row, node_of[static_cast<std::size_t>(master)], weight);
+  }
+  extension_.resize(static_cast<Eigen::Index>(num_functions), static_cast<Eigen::Index>(node_function_.size()));
+  extension_.setFromTriplets(entries.begin(), entries.end());
+
+  const auto p = model.grid.degree();
+  const std::size_t row_count = static_cast<std::size_t>((p[1] + 1) * (p[2] + 1));
+  const std::size_t width = static_cast<std::size_t>(p[0]) + 1;
+  std::vector<LocalSpace> local(model.active.size());
+  tbb::parallel_for(std::size_t{0}, local.size(), [&](std::size_t a) {
+    std::vector<std::int64_t> functions;
+    for (std::size_t r = 0; r < row_count; ++r)
+      for (std::size_t i = 0; i < width; ++i)
+        functions.push_back(rows[a * row_count + r] + static_cast<std::int64_t>(i));
+    bool plain = true;
+    auto& nodes = local[a].nodes;
+    for (const std::int64_t f : functions) {
+      plain = plain && node_of[static_cast<std::size_t>(f)] >= 0;
+      for (decltype(extension_)::InnerIterator it(extension_, static_cast<Eigen::Index>(f)); it; ++it)
+        nodes.push_back(static_cast<std::int32_t>(it.col()));
+    }
+    if (plain) return;
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    auto& E = local[a].extension;
+    E.setZero(static_cast<Eigen::Index>(functions.size()), static_cast<Eigen::Index>(nodes.size()));
+    for (std::size_t f = 0; f < functions.size(); ++f)
+      for (decltype(extension_)::InnerIterator it(extension_, static_cast<Eigen::Index>(functions[f])); it; ++it)
+        E(static_cast<Eigen::Index>(f),
+          std::lower_bound(nodes.begin(), nodes.end(), static_cast<std::int32_t>(it.col())) - nodes.begin()) =
+            it.value();
+  });
+
+  offsets_.push_back(0);
+  local_extensions_.emplace_back();
+  for (auto& [nodes, E] : local) {
+    nodes_.insert(nodes_.end(), nodes.begin(), nodes.end());
+    offsets_.push_back(static_cast<std::int64_t>(nodes_.size()));
+    local_extension_index_.push_back(0);
+    if (E.rows() == 0) continue;
+    local_extension_index_.back() = static_cast<std::int32_t>(local_extensions_.size());
+    local_extensions_.push_back(std::move(E));
+  }
+}
+
+namespace {
+
+// Gauss–Legendre rule with n points on [0, 1]: nodes in the first column, weights in the second. Golub & Welsch (1969).
+Eigen::MatrixX2d gauss_rule(int n) {
+  Eigen::MatrixXd jacobi = Eigen::MatrixXd::Zero(n, n);
+  for (int k = 1; k < n; ++k) jacobi(k, k - 1) = jacobi(k - 1, k) = k / std::sqrt(4.0 * k * k - 1);
+  const SymmetricEigen eigen = symmetric_eigen(jacobi);
+  Eigen::MatrixX2d rule(n, 2);
+  rule.col(0) = (eigen.values.array() + 1) / 2;
+  rule.col(1) = eigen.vectors.row(0).array().square();
+  return rule;
+}
+
+} // namespace
+
+namespace {
+
+// Adds tensor Gauss points of a whole span, their weights scaled by `share`.
+void add_gauss_points(const SplineGrid& grid, std::int64_t span, double share, SpanPointStorage& storage) {
+  const Box3 box = grid.span_box(grid.span_index(span));
+  const auto p = grid.degree();
+  const Eigen::MatrixX2d rules[3] = {gauss_rule(p[0] + 1), gauss_rule(p[1] + 1), gauss_rule(p[2] + 1)};
+  for (Eigen::Index k = 0; k <= p[2]; ++k)
+    for (Eigen::Index j = 0; j <= p[1]; ++j)
+      for (Eigen::Index i = 0; i <= p[0]; ++i) {
+        const Eigen::Index place[3] = {i, j, k};
+        double weight = share * grid.span_volume();
+        for (std::size_t d = 0; d < 3; ++d) {
+          storage.parameters.push_back(box.lower[d] + rules[d](place[d], 0) * (box.upper[d] - box.lower[d]));
+          weight *= rules[d](place[d], 1);
+        }
+        storage.weights.push_back(weight);
+      }
+}
+
+} // namespace
+
+bool replaces_points(const TrimmedModel& model, std::int64_t a, InteriorPoints interior) {
+  return interior == InteriorPoints::Gauss && model.quadrature.interior_rule != "gauss" &&
+         static_cast<SpanState>(model.state[static_cast<std::size_t>(model.active[static_cast<std::size_t>(a)])]) ==
+             SpanState::Interior;
+}
+
+SpanPoints span_points(const SolutionSpace& space, std::int64_t a, SpanPointStorage& storage, InteriorPoints interior) {
+  const TrimmedModel& model = space.model();
+  const auto parameters = span_parameters(model, a), weights = span_weights(model, a);
+  const double share = space.fictitious_share(a);
+  const bool replace = replaces_points(model, a, interior);
+  if (share == 0 && !replace) return {parameters, weights};
+  storage.parameters.clear();
+  storage.weights.clear();
+  if (!replace) {
+    storage.parameters.assign(parameters.begin(), parameters.end());
+    storage.weights.assign(weights.begin(), weights.end());
+  }
+  add_gauss_points(model.grid, model.active[static_cast<std::size_t>(a)], replace ? 1 + share : share, storage);
+  return {storage.parameters, storage.weights};
+}
+
+const Eigen::MatrixXd& SolutionSpace::local_extension(std::int64_t a) const {
+  return local_extensions_[static_cast<std::size_t>(local_extension_index_[static_cast<std::size_t>(a)])];
+}
+
+Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> SolutionSpace::node_points() const {
+  Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> points(num_nodes(), 3);
+  for (Eigen::Index n = 0; n < points.rows(); ++n) {
+    const std::int64_t f =
+        model_->active_functions[static_cast<std::size_t>(node_function_[static_cast<std::size_t>(n)])];
+    const Point3 x = model_->grid.control_point(model_->grid.function_index(f));
+    points.row(n) << x[0], x[1], x[2];
+  }
+  return points;
+}
+
+Eigen::VectorXd SolutionSpace::expand(const Eigen::Ref<const Eigen::VectorXd>& unknowns) const {
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
+  const Eigen::Map<const Rows> nodes(unknowns.data(), num_nodes(), 3);
+  Eigen::VectorXd all(3 * extension_.rows());
+  Eigen::Map<Rows>(all.data(), extension_.rows(), 3).noalias() = extension_ * nodes;
+  return all;
+}
+
+} // namespace iga::solve

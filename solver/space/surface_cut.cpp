@@ -1,0 +1,128 @@
+// Sutherland & Hodgman (1974), Reentrant polygon clipping: one plane after the other.
+#include "solver/space/surface_cut.hpp"
+
+#include "format/model/triangle_rule.hpp"
+#include "format/model/vec3.hpp"
+#include "solver/space/nearest_span.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace iga::solve {
+
+namespace {
+
+// Pieces smaller than this share of their polygon are rounding of the cuts.
+constexpr double negligible_share = 1e-15;
+
+using Polygon = std::vector<Point3>;
+
+Point3 between(const Point3& a, const Point3& b, double t) {
+  return plus(a, times(minus(b, a), t));
+}
+
+// The part of a convex polygon where `height` is at most zero; heights are linear in the position.
+template <class Height> Polygon clip(const Polygon& in, Height height) {
+  Polygon out;
+  for (std::size_t a = 0; a < in.size(); ++a) {
+    const Point3 &p = in[a], &q = in[a + 1 == in.size() ? 0 : a + 1];
+    const double hp = height(p), hq = height(q);
+    if (hp <= 0) out.push_back(p);
+    if ((hp < 0 && hq > 0) || (hp > 0 && hq < 0)) out.push_back(between(p, q, hp / (hp - hq)));
+  }
+  return out;
+}
+
+Point3 area_vector(const Polygon& polygon) {
+  Point3 sum{};
+  for (std::size_t a = 1; a + 1 < polygon.size(); ++a)
+    sum = plus(sum, cross(minus(polygon[a], polygon[0]), minus(polygon[a + 1], polygon[0])));
+  return times(sum, 0.5);
+}
+
+// Cuts a polygon in span units into slabs along axes d, d - 1, …, 0 and hands each piece on.
+template <class Use> void for_each_piece(const Polygon& polygon, std::size_t axes, const Index3& spans, Use&& use) {
+  if (polygon.size() < 3) return;
+  if (axes == 0) return use(polygon);
+  const std::size_t d = axes - 1;
+  const auto [low, high] = std::minmax_element(polygon.begin(), polygon.end(),
+                                               [&](const Point3& a, const Point3& b) { return a[d] < b[d]; });
+  const auto last_span = static_cast<double>(spans[d] - 1);
+  const double first = std::clamp(std::floor((*low)[d]), 0.0, last_span);
+  const double last = std::clamp(std::ceil((*high)[d]) - 1, first, last_span);
+  if (first == last) return for_each_piece(polygon, d, spans, use);
+  for (double c = first; c <= last; ++c) {
+    const Polygon above = c == first ? polygon : clip(polygon, [&](const Point3& x) { return c - x[d]; });
+    for_each_piece(c == last ? above : clip(above, [&](const Point3& x) { return x[d] - (c + 1); }), d, spans, use);
+  }
+}
+
+} // namespace
+
+CutTriangle cut_triangle(const TriangleMesh& mesh, std::size_t triangle, const std::vector<HalfSpace>& half_spaces,
+                         double snap) {
+  const auto height = [](const HalfSpace& side, const Point3& x) {
+    return dot(minus(x, side.point), side.normal) - side.offset;
+  };
+  CutTriangle cut;
+  std::vector<const HalfSpace*> crossing;
+  for (const std::int32_t v : mesh.triangles[triangle])
+    cut.polygon.push_back(mesh.vertices[static_cast<std::size_t>(v)]);
+  for (const HalfSpace& side : half_spaces) {
+    double least = INFINITY, most = -INFINITY;
+    for (const Point3& x : cut.polygon) {
+      least = std::min(least, height(side, x));
+      most = std::max(most, height(side, x));
+    }
+    if (most <= snap) continue;
+    if (least >= -snap) return {};
+    crossing.push_back(&side);
+  }
+  cut.part = crossing.empty() ? CutTriangle::Part::Whole : CutTriangle::Part::Some;
+  for (const HalfSpace* side : crossing)
+    cut.polygon = clip(cut.polygon, [&](const Point3& x) {
+      const double h = height(*side, x);
+      return std::abs(h) <= snap ? 0 : h;
+    });
+  if (cut.polygon.size() < 3) return {};
+  return cut;
+}
+
+void add_polygon_points(const TrimmedModel& model, const std::vector<Point3>& polygon, const Point3& normal,
+                        std::vector<SurfacePoint>& points) {
+  const SplineGrid& grid = model.grid;
+  const Point3 A = grid.A(), h = grid.span_size();
+  const auto degree = grid.degree();
+  const auto rule = triangle_rule(3 * *std::max_element(degree.begin(), degree.end()));
+  Polygon in_spans;
+  for (const Point3& x : polygon) {
+    Point3 xi = grid.to_parameter(x);
+    for (std::size_t d = 0; d < 3; ++d) xi[d] = (xi[d] - A[d]) / h[d];
+    in_spans.push_back(xi);
+  }
+  const auto parameter = [&](const Point3& xi) {
+    Point3 u = A;
+    for (std::size_t d = 0; d < 3; ++d) u[d] += h[d] * xi[d];
+    return u;
+  };
+  const double negligible = negligible_share * norm(area_vector(polygon));
+  for_each_piece(in_spans, 3, grid.spans(), [&](const Polygon& piece) {
+    Point3 middle{};
+    for (const Point3& xi : piece) middle = plus(middle, times(xi, 1.0 / static_cast<double>(piece.size())));
+    const std::int64_t active = nearest_span(model, parameter(middle), normal).active;
+    const Box3 box = grid.span_box(grid.span_index(model.active[static_cast<std::size_t>(active)]));
+    for (std::size_t a = 1; a + 1 < piece.size(); ++a) {
+      const Point3 corner[3]{parameter(piece[0]), parameter(piece[a]), parameter(piece[a + 1])};
+      const double area = 0.5 * norm(cross(minus(corner[1], corner[0]), minus(corner[2], corner[0])));
+      if (!(area > negligible)) continue;
+      for (const TrianglePoint& q : rule) {
+        Point3 u{};
+        for (std::size_t c = 0; c < 3; ++c) u = plus(u, times(corner[c], q.barycentric[c]));
+        for (std::size_t d = 0; d < 3; ++d) u[d] = std::clamp(u[d], box.lower[d], box.upper[d]);
+        points.push_back({active, u, area * q.weight});
+      }
+    }
+  });
+}
+
+} // namespace iga::solve

@@ -1,0 +1,267 @@
+#include "solver/supports/read_supports.hpp"
+
+#include "format/model/errors.hpp"
+#include "format/model/vec3.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <numbers>
+
+namespace iga::solve {
+
+namespace {
+
+std::optional<Point3> vector3(io::SettingsTable& table, const char* key) {
+  const auto v = table.numbers(key, {3});
+  return v ? std::optional(Point3{(*v)[0], (*v)[1], (*v)[2]}) : std::nullopt;
+}
+
+[[noreturn]] void refuse(const io::SettingsTable& table, const char* key, const std::string& why) {
+  throw InputError(fmt::format("{}: {}", table.where(key), why));
+}
+
+Point3 need_vector3(io::SettingsTable& table, const char* key, const char* what) {
+  const auto v = vector3(table, key);
+  if (!v) refuse(table, key, fmt::format("missing; give {} as three numbers", what));
+  return *v;
+}
+
+std::string name_or(io::SettingsTable& table, const char* what, std::size_t number) {
+  return table.text("name").value_or(fmt::format("{} {}", what, number));
+}
+
+// As igaprep's grid: `rotation`, 9 numbers row by row whose columns are the frame's axes, or `rotate_axis_angle`, an
+// axis and degrees.
+Rotation read_frame(io::SettingsTable& table) {
+  const auto matrix = table.numbers("rotation", {9});
+  const auto turn = table.numbers("rotate_axis_angle", {4});
+  if (matrix && turn) refuse(table, "rotation", "given together with rotate_axis_angle; give one of them");
+  Rotation R = identity_rotation;
+  if (matrix) {
+    for (std::size_t k = 0; k < 9; ++k) R[k / 3][k % 3] = (*matrix)[k];
+    constexpr double typed_digits = 1e-6; // people type six digits
+    for (std::size_t a = 0; a < 3; ++a)
+      for (std::size_t b = 0; b < 3; ++b) {
+        const double product = R[0][a] * R[0][b] + R[1][a] * R[1][b] + R[2][a] * R[2][b];
+        if (std::abs(product - (a == b ? 1 : 0)) > typed_digits)
+          refuse(table, "rotation",
+                 "its columns are no orthogonal unit vectors; use rotate_axis_angle = [ax, ay, az, "
+                 "degrees] where you know the axis");
+      }
+  }
+  if (turn) {
+    const Point3 axis{(*turn)[0], (*turn)[1], (*turn)[2]};
+    if (!(norm(axis) > 0)) refuse(table, "rotate_axis_angle", "the axis has no length");
+    const Point3 k = times(axis, 1 / norm(axis));
+    const double angle = (*turn)[3] * std::numbers::pi / 180, c = std::cos(angle), s = std::sin(angle);
+    for (std::size_t a = 0; a < 3; ++a) { // Rodrigues' formula, column by column
+      Point3 e{};
+      e[a] = 1;
+      const Point3 turned = plus(plus(times(e, c), times(cross(k, e), s)), times(k, dot(k, e) * (1 - c)));
+      for (std::size_t r = 0; r < 3; ++r) R[r][a] = turned[r];
+    }
+  }
+  return R;
+}
+
+/// All keys that choose surface; `given` says whether any was there.
+struct ReadRegion {
+  RegionChoice choice;
+  bool given = false;
+};
+
+// A name, a number, or a list of one kind: any of them will do.
+void read_regions(io::SettingsTable& table, RegionChoice& choice) {
+  if (table.holds_text("region"))
+    choice.names = {*table.text("region")};
+  else if (table.holds_number("region"))
+    choice.numbers = {*table.integer("region")};
+  else if (table.holds_numbers("region"))
+    choice.numbers = *table.integers("region");
+  else if (const auto names = table.texts("region"))
+    choice.names = *names;
+  if (table.holds("region") && choice.names.empty() && choice.numbers.empty())
+    refuse(table, "region", "the list is empty; give names or numbers of regions, or leave it out");
+}
+
+ReadRegion read_region(io::SettingsTable& table) {
+  ReadRegion region;
+  RegionChoice& choice = region.choice;
+  read_regions(table, choice);
+  if (const auto box = table.numbers("box", {6})) {
+    choice.box = Box3{{(*box)[0], (*box)[1], (*box)[2]}, {(*box)[3], (*box)[4], (*box)[5]}};
+    for (std::size_t d = 0; d < 3; ++d)
+      if (choice.box->lower[d] > choice.box->upper[d])
+        refuse(table, "box",
+               fmt::format("the first corner lies beyond the second one along {} ({} > {}); give the "
+                           "lower corner first",
+                           "xyz"[d], choice.box->lower[d], choice.box->upper[d]));
+  }
+  io::SettingsTable plane = table.table("plane"), normal = table.table("normal");
+  const auto point = vector3(plane, "point"), plane_normal = vector3(plane, "normal");
+  const auto tolerance = plane.number("tolerance");
+  if (point || plane_normal || tolerance) {
+    if (!point || !plane_normal) refuse(plane, point ? "normal" : "point", "missing; a plane has a point and a normal");
+    if (tolerance && *tolerance < 0)
+      refuse(plane, "tolerance", fmt::format("found {}, expected 0 or more", *tolerance));
+    choice.plane = RegionChoice::Plane{*point, *plane_normal, tolerance.value_or(0)};
+  }
+  const auto direction = vector3(normal, "direction");
+  const auto angle = normal.number("angle");
+  if (direction || angle) {
+    if (!direction) refuse(normal, "direction", "missing; give the direction that outward normals should have");
+    if (angle && !(*angle >= 0 && *angle <= 180))
+      refuse(normal, "angle", fmt::format("found {}, expected 0 … 180 degrees", *angle));
+    constexpr double default_angle = 1; // degrees: flat faces of parts written with single precision
+    choice.normal = RegionChoice::Direction{*direction, angle.value_or(default_angle)};
+  }
+  const bool whole = table.boolean("whole_surface").value_or(false);
+  const bool some = !choice.names.empty() || !choice.numbers.empty() || choice.box || choice.plane || choice.normal;
+  if (whole && some) refuse(table, "whole_surface", "given together with a choice of surface; give one of them");
+  region.given = whole || some;
+  return region;
+}
+
+constexpr const char* how_to_choose =
+    "choose surface by region (names or numbers), box, plane, normal, or whole_surface = true";
+
+void read_fixed(io::SettingsTable& table, Support& support) {
+  const auto fixed = table.text("fixed");
+  if (!fixed) return;
+  if (*fixed == "normal") {
+    support.along_normal = true;
+    return;
+  }
+  support.fixed = {};
+  for (const char c : *fixed) {
+    const auto d = std::string_view("xyz").find(c);
+    if (d == std::string_view::npos || support.fixed[d])
+      refuse(table, "fixed",
+             fmt::format("found \"{}\", expected letters out of x, y, z, each once, or \"normal\"", *fixed));
+    support.fixed[d] = true;
+  }
+  if (fixed->empty()) refuse(table, "fixed", "nothing is fixed; expected letters out of x, y, z, or \"normal\"");
+}
+
+Support read_support(io::SettingsTable& table, std::size_t number) {
+  Support support;
+  support.name = name_or(table, "support", number);
+  support.region = need_region(table);
+  read_fixed(table, support);
+  support.frame = read_frame(table);
+  if (support.along_normal) {
+    const auto value = table.number("value");
+    support.value = {value.value_or(0), 0, 0};
+  } else if (const auto value = vector3(table, "value")) {
+    support.value = *value;
+  }
+  if (const auto gradient = table.numbers("gradient", {9})) {
+    if (support.along_normal) refuse(table, "gradient", "a displacement along the normal is one number, value");
+    for (std::size_t k = 0; k < 9; ++k) support.gradient[k / 3][k % 3] = (*gradient)[k];
+  }
+  const std::vector<std::string> methods{"nitsche", "penalty", "lagrange"};
+  const std::string method = table.text("method").value_or(methods[0]);
+  const auto found = std::find(methods.begin(), methods.end(), method);
+  if (found == methods.end()) {
+    const auto near = io::nearest_name(method, methods);
+    refuse(table, "method",
+           fmt::format("found \"{}\", expected one of {}{}", method, fmt::join(methods, ", "),
+                       near ? fmt::format("; did you mean {}?", *near) : ""));
+  }
+  support.method = static_cast<SupportMethod>(found - methods.begin());
+  if (const auto factor = table.number("penalty_factor")) {
+    if (support.method != SupportMethod::Penalty)
+      refuse(table, "penalty_factor",
+             fmt::format("the method {} has none; add method = \"penalty\" or leave it out", method));
+    if (!(*factor > 0)) refuse(table, "penalty_factor", fmt::format("found {}, expected a number above 0", *factor));
+    support.penalty_factor = *factor;
+  }
+  return support;
+}
+
+} // namespace
+
+std::vector<io::TableKeys> region_keys(const std::string& table) {
+  return {{table, {"region", "box", "plane", "normal", "whole_surface"}},
+          {table + ".plane", {"point", "normal", "tolerance"}},
+          {table + ".normal", {"direction", "angle"}}};
+}
+
+std::vector<io::TableKeys> load_keys(const std::string& table) {
+  std::vector<io::TableKeys> keys = region_keys(table);
+  keys.push_back(
+      {table,
+       {"name", "rotation", "rotate_axis_angle", "at", "traction", "force", "body_force", "acceleration", "pressure"}});
+  return keys;
+}
+
+RegionChoice need_region(io::SettingsTable& table) {
+  const ReadRegion region = read_region(table);
+  if (!region.given) refuse(table, "region", fmt::format("missing; {}", how_to_choose));
+  return region.choice;
+}
+
+Load read_load(io::SettingsTable& table, std::size_t number) {
+  Load load;
+  load.name = name_or(table, "load", number);
+  load.frame = read_frame(table);
+  const ReadRegion region = read_region(table);
+  load.region = region.choice;
+  const auto at = vector3(table, "at");
+  constexpr std::array<std::pair<const char*, LoadKind>, 4> vectors{{{"traction", LoadKind::Traction},
+                                                                     {"force", LoadKind::TotalForce},
+                                                                     {"body_force", LoadKind::BodyForce},
+                                                                     {"acceleration", LoadKind::Acceleration}}};
+  int kinds = 0;
+  for (const auto& [key, kind] : vectors)
+    if (const auto v = vector3(table, key)) {
+      load.kind = kind;
+      load.vector = *v;
+      ++kinds;
+    }
+  if (const auto pressure = table.number("pressure")) {
+    load.kind = LoadKind::Pressure;
+    load.pressure = *pressure;
+    ++kinds;
+  }
+  if (kinds != 1)
+    refuse(table, "traction",
+           fmt::format("{}; give one of traction, pressure, force, body_force, acceleration in each [[load]]",
+                       kinds == 0 ? "this load has no value" : "this load has more than one value"));
+  if (load.kind == LoadKind::TotalForce && at) {
+    load.kind = LoadKind::Point;
+    load.position = *at;
+  } else if (at) {
+    refuse(table, "at", "only a force acts at a point; leave it out, or write force = [fx, fy, fz]");
+  }
+  const bool on_surface =
+      load.kind == LoadKind::Traction || load.kind == LoadKind::Pressure || load.kind == LoadKind::TotalForce;
+  if (on_surface && !region.given)
+    refuse(table, "region",
+           fmt::format("missing; {}{}", how_to_choose,
+                       load.kind == LoadKind::TotalForce ? ", or at = [x, y, z] for a point" : ""));
+  if (!on_surface && region.given)
+    refuse(table, "region", "this load acts on no surface; leave the choice of surface out");
+  return load;
+}
+
+std::vector<Support> read_supports(io::SettingsTable& root) {
+  std::vector<Support> supports;
+  for (io::SettingsTable& table : root.tables("support")) supports.push_back(read_support(table, supports.size() + 1));
+  return supports;
+}
+
+StaticSettings read_static_settings(io::SettingsTable& root) {
+  StaticSettings settings;
+  for (io::SettingsTable& table : root.tables("load"))
+    settings.loads.push_back(read_load(table, settings.loads.size() + 1));
+  for (io::SettingsTable& table : root.tables("probe")) {
+    Probe probe;
+    probe.name = name_or(table, "probe", settings.probes.size() + 1);
+    probe.position = need_vector3(table, "position", "the position");
+    settings.probes.push_back(std::move(probe));
+  }
+  return settings;
+}
+
+} // namespace iga::solve

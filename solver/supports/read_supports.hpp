@@ -1,0 +1,31 @@
+// [[support]], [[load]] and [[probe]] of a run file.
+#pragma once
+
+#include "format/io/settings_reader.hpp"
+#include "solver/mechanics/loads.hpp"
+#include "solver/output/recover.hpp"
+#include "solver/supports/boundary.hpp"
+
+namespace iga::solve {
+
+/// What a static run is asked for beyond what every run has.
+struct StaticSettings {
+  std::vector<Load> loads;
+  std::vector<Probe> probes;
+};
+
+/// The keys are listed in README.md, run file. Unknown keys are refused by the root table afterwards.
+/// @throws InputError with file and line for values that make no sense
+std::vector<Support> read_supports(io::SettingsTable& root);
+StaticSettings read_static_settings(io::SettingsTable& root);
+
+/// Keys of `table` and of the tables in it, for SettingsTable::expect_only: those that choose surface; those of a load.
+std::vector<io::TableKeys> region_keys(const std::string& table);
+std::vector<io::TableKeys> load_keys(const std::string& table);
+
+/// One [[load]], `number` counted from 1 for its name where it has none.
+Load read_load(io::SettingsTable& table, std::size_t number);
+/// The keys that choose surface. @throws InputError where there are none
+RegionChoice need_region(io::SettingsTable& table);
+
+} // namespace iga::solve
