@@ -141,6 +141,26 @@ void add_entries(const std::string& path, const toml::table& table, std::vector<
   }
 }
 
+/// The letters of the file in texts and keys, where stand-ins were parsed.
+void put_letters_back(toml::node& node) {
+  if (toml::value<std::string>* text = node.as_string()) {
+    text->get() = without_stand_ins(text->get());
+  } else if (toml::array* array = node.as_array()) {
+    for (toml::node& entry : *array) put_letters_back(entry);
+  } else if (toml::table* table = node.as_table()) {
+    std::vector<toml::key> changed;
+    for (auto&& [key, entry] : *table) {
+      put_letters_back(entry);
+      if (without_stand_ins(key.str()) != key.str()) changed.push_back(key);
+    }
+    for (const toml::key& key : changed) {
+      table->find(key.str())->second.visit(
+          [&](auto& entry) { table->insert(toml::key(without_stand_ins(key.str()), key.source()), std::move(entry)); });
+      table->erase(key.str());
+    }
+  }
+}
+
 const toml::node* node_of(const void* table, std::string_view key) {
   return table ? static_cast<const toml::table*>(table)->get(key) : nullptr;
 }
@@ -160,11 +180,12 @@ SettingsTable SettingsTable::read(const std::filesystem::path& file) {
   auto data = std::make_shared<File>();
   data->path = file;
   try {
-    data->root = toml::parse(text, file.string());
+    data->root = toml::parse(with_stand_ins(text, file.string()), file.string());
   } catch (const toml::parse_error& error) {
     throw InputError(fmt::format("{}:{}:{}: this is no valid TOML: {}", file.string(), error.source().begin.line,
-                                 error.source().begin.column, error.description()));
+                                 error.source().begin.column, without_stand_ins(error.description())));
   }
+  put_letters_back(data->root);
   const void* root = &data->root;
   return {std::move(data), "", root};
 }

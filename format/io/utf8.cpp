@@ -1,12 +1,7 @@
 #include "format/io/utf8.hpp"
 
-#include <cstddef>
-
 namespace iga::io {
 
-namespace {
-
-/// Length of the well-formed sequence at the start of `text`, which is not empty; 0 where there is none.
 std::size_t sequence_length(std::string_view text) {
   const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U; };
   const auto within = [&](std::size_t i, unsigned low, unsigned high) { return byte(i) >= low && byte(i) <= high; };
@@ -24,8 +19,6 @@ std::size_t sequence_length(std::string_view text) {
   }
   return 0;
 }
-
-} // namespace
 
 std::string valid_utf8(std::string_view text) {
   std::string out;

@@ -3,6 +3,7 @@
 #include "format/model/errors.hpp"
 #include "tests/support/temp_folder.hpp"
 
+#include <cstdint>
 #include <gtest/gtest.h>
 #include <stdexcept>
 
@@ -133,6 +134,44 @@ TEST(SettingsReader, LettersBeyondAsciiBelongInQuotesAndComments) {
                                   "2\n");
                }),
                {"run.toml:2:5: "});
+}
+
+// toml++ 3.3 has undefined behaviour where it asks whether one of these is a space: letters of all ranges of its table,
+// and beside them.
+TEST(SettingsReader, EveryLetterInQuotesIsRead) {
+  const TempFolder folder;
+  std::string toml, texts, key;
+  for (const std::uint32_t code :
+       {0x80U,   0xA0U,   0xA1U,   0x499U,  0x49AU,  0x1680U, 0x2028U, 0x202FU, 0x2C5DU, 0x2C5EU,
+        0x2FFFU, 0x3000U, 0x3001U, 0x3057U, 0x3058U, 0xFB25U, 0xFB26U, 0xFEFEU, 0xFEFFU, 0xFFFFU}) {
+    const auto add = [&](std::uint32_t byte) { texts.push_back(static_cast<char>(byte)); };
+    if (code >= 0x800) add(0xE0U | code >> 12U);
+    add(code >= 0x800 ? 0x80U | (code >> 6U & 0x3FU) : 0xC0U | code >> 6U);
+    add(0x80U | (code & 0x3FU));
+  }
+  texts += "\xF0\x9F\x94\xA7"; // a letter beyond U+FFFF
+  auto root = table_of(folder, "a = \"" + texts + "\"\nb = '" + texts + "'\nc = [['" + texts + "']]\nd = \"\"\"\\\n" +
+                                   texts + "\"\"\"\n[[e]]\n" + "'" + texts + "' = 1\n");
+  EXPECT_EQ(root.text("a"), texts);
+  EXPECT_EQ(root.text("b"), texts);
+  EXPECT_EQ(root.text("d"), texts);
+  EXPECT_EQ(root.tables("e").at(0).integer(texts), 1);
+  EXPECT_NE(refusal([&] { root.number("a"); }).find(texts), std::string::npos);
+  EXPECT_NE(refusal([&] { root.number("c"); }).find("run.toml:3"), std::string::npos);
+}
+
+// What looks like quotes after damage lies in no quotes for the parser.
+TEST(SettingsReader, LettersInDamagedQuotesAreRefused) {
+  const TempFolder folder;
+  for (const std::string letter : {"\xC3\xA4", "\xE3\x80\x81", "\xEF\xBB\x85"})
+    for (const std::string before :
+         {"a = [0X.v='", "a = 3n.b='", "a = [1 = '", "a = 'b''", "a = \"\"\"\\", "= '", "a = {= '"})
+      expect_words(refusal([&] { table_of(folder, "# 1\n" + before + letter + "t' ,"); }),
+                   {"run.toml:2:", "no valid TOML"});
+  // Stand-ins are not told apart from letters that the file holds itself.
+  for (const std::string letter : {"\xF3\xB0\x83\xA4", "\\U000F00E4", "\\U000f00e4"})
+    expect_words(refusal([&] { table_of(folder, "# 1\na = \"" + letter + "\"\n"); }),
+                 {"run.toml:2:6: ", "private-use"});
 }
 
 TEST(NearestName, FindsSmallSlipsOnly) {
