@@ -9,14 +9,16 @@
 namespace iga::io::names {
 
 constexpr const char* format = "iga-trimmed-solid";
-constexpr const char* format_version = "1.1";
-constexpr int format_major = 1;
+constexpr const char* format_version = "2.0";
+constexpr int format_major = 2;
 
 constexpr std::array<EnumName, 3> states{{{"EXTERIOR", 0}, {"INTERIOR", 1}, {"TRIMMED", 2}}};
 
 constexpr const char* root = "/";
 constexpr const char* patch = "/patch";
 constexpr const char* spans = "/spans";
+constexpr const char* cells = "/cells";
+constexpr const char* links = "/links";
 constexpr const char* quadrature = "/quadrature";
 constexpr const char* functions = "/functions";
 constexpr const char* surface = "/surface";
@@ -35,32 +37,40 @@ constexpr DatasetText control_points{"/patch/control_points", "length",
 
 constexpr DatasetText state{"/spans/state", "1", "(w, v, u); u fastest",
                             "where each knot span lies with respect to the solid"};
-constexpr DatasetText active_spans{"/spans/active", "1", "ascending; number = i + n_u (j + n_v k) of span (i, j, k)",
-                                   "linear numbers of all INTERIOR and TRIMMED spans"};
-constexpr DatasetText volume_fraction{"/spans/volume_fraction", "1", "(active span)",
-                                      "exact share of the span that the solid fills, before snapping"};
+constexpr DatasetText cell_span{"/cells/span", "1",
+                                "ascending, repeated where a span holds several; number = i + n_u (j + n_v k) of span "
+                                "(i, j, k)",
+                                "linear number of the span that each cell is a piece of"};
+constexpr DatasetText cell_state{"/cells/state", "1", "(cell)", "INTERIOR: the whole span; TRIMMED: a part of it"};
+constexpr DatasetText volume_fraction{"/cells/volume_fraction", "1", "(cell)",
+                                      "exact share of the span that the cell fills, before snapping"};
+constexpr DatasetText cell_functions{"/cells/functions", "1", "(cell; function of the span, u fastest, then v, then w)",
+                                     "entries of /functions that each cell sees"};
+constexpr DatasetText link_cells{"/links/cells", "1", "(link; lower cell, higher cell), sorted",
+                                 "cells of neighbouring spans that share solid area on the common face"};
 
-constexpr DatasetText point_offsets{"/quadrature/offsets", "1", "(active span), then the total",
-                                    "active span a owns the points offsets[a] ... offsets[a+1] - 1"};
-constexpr DatasetText point_parameters{"/quadrature/parameters", "parameter", "(point; u v w), grouped by active span",
+constexpr DatasetText point_offsets{"/quadrature/offsets", "1", "(cell), then the total",
+                                    "cell c owns the points offsets[c] ... offsets[c+1] - 1"};
+constexpr DatasetText point_parameters{"/quadrature/parameters", "parameter", "(point; u v w), grouped by cell",
                                        "quadrature points of the volume"};
-constexpr DatasetText point_weights{"/quadrature/weights", "length^3", "(point), grouped by active span",
+constexpr DatasetText point_weights{"/quadrature/weights", "length^3", "(point), grouped by cell",
                                     "physical volume that each point stands for, positive"};
-constexpr DatasetText residual{"/quadrature/residual", "1", "(active span)",
-                               "relative moment residual of a trimmed span's rule, 0 for an interior span"};
+constexpr DatasetText residual{"/quadrature/residual", "1", "(cell)",
+                               "relative moment residual of a trimmed cell's rule, 0 for an interior one"};
 
-constexpr DatasetText active_functions{"/functions/active", "1",
-                                       "ascending; number = i + n_u (j + n_v k) of function (i, j, k)",
-                                       "linear numbers of the functions whose support holds material"};
-constexpr DatasetText mass_fraction{"/functions/mass_fraction", "1", "(active function)",
-                                    "integral of N over the solid divided by its integral over the whole grid"};
+constexpr DatasetText function_number{"/functions/number", "1",
+                                      "ascending, repeated for copies; number = i + n_u (j + n_v k) of B-spline "
+                                      "(i, j, k)",
+                                      "B-spline that each function is a copy of: one copy for each connected part of "
+                                      "the solid in its support"};
+constexpr DatasetText mass_fraction{"/functions/mass_fraction", "1", "(function)",
+                                    "integral of N over the copy's cells divided by its integral over the whole grid"};
 
 constexpr DatasetText vertices{"/surface/vertices", "length", "(vertex; x y z)",
                                "vertices of the embedded surface in space"};
 constexpr DatasetText vertex_parameters{"/surface/vertex_parameters", "parameter", "(vertex; u v w)",
                                         "the vertices in knot space, inside the closed span that owns each"};
-constexpr DatasetText vertex_span{"/surface/vertex_span", "1", "(vertex)",
-                                  "linear number of the active span that owns each vertex"};
+constexpr DatasetText vertex_cell{"/surface/vertex_cell", "1", "(vertex)", "cell that owns each vertex"};
 constexpr DatasetText triangles{"/surface/triangles", "1",
                                 "(triangle; vertex numbers, anticlockwise seen from outside)",
                                 "triangles of the embedded surface"};
@@ -68,15 +78,15 @@ constexpr DatasetText region{"/surface/region", "1", "(triangle)",
                              "number of the region that each triangle belongs to"};
 constexpr DatasetText regions{"/surface/regions", "1", "(region)", "names of the regions"};
 
-constexpr DatasetText surface_offsets{"/surface/quadrature/offsets", "1", "(active span), then the total",
-                                      "active span a owns the surface points offsets[a] ... offsets[a+1] - 1"};
+constexpr DatasetText surface_offsets{"/surface/quadrature/offsets", "1", "(cell), then the total",
+                                      "cell c owns the surface points offsets[c] ... offsets[c+1] - 1"};
 constexpr DatasetText surface_parameters{"/surface/quadrature/parameters", "parameter",
-                                         "(point; u v w), grouped by active span", "quadrature points of the surface"};
-constexpr DatasetText surface_weights{"/surface/quadrature/weights", "length^2", "(point), grouped by active span",
+                                         "(point; u v w), grouped by cell", "quadrature points of the surface"};
+constexpr DatasetText surface_weights{"/surface/quadrature/weights", "length^2", "(point), grouped by cell",
                                       "area that each point stands for, positive"};
-constexpr DatasetText surface_normals{"/surface/quadrature/normals", "1", "(point; x y z), grouped by active span",
+constexpr DatasetText surface_normals{"/surface/quadrature/normals", "1", "(point; x y z), grouped by cell",
                                       "outward unit normals in space"};
-constexpr DatasetText surface_triangle{"/surface/quadrature/triangle", "1", "(point), grouped by active span",
+constexpr DatasetText surface_triangle{"/surface/quadrature/triangle", "1", "(point), grouped by cell",
                                        "number of the triangle that each point lies on"};
 
 constexpr DatasetText timing_stages{"/provenance/timing_stages", "1", "in the order they ran",

@@ -105,20 +105,20 @@ QuadratureInfo read_quadrature_info(const H5Reader& file) {
   return q;
 }
 
-IntegrationPoints read_points(const H5Reader& file, std::int64_t num_active) {
+IntegrationPoints read_points(const H5Reader& file, std::int64_t num_cells) {
   IntegrationPoints points;
   const std::int64_t n = rows_of(file, names::point_weights);
-  points.offsets = read<std::int64_t>(file, names::point_offsets, num_active + 1);
+  points.offsets = read<std::int64_t>(file, names::point_offsets, num_cells + 1);
   points.parameters = read<double>(file, names::point_parameters, n, 3);
   points.weights = read<double>(file, names::point_weights, n);
-  points.residual = read<double>(file, names::residual, num_active);
+  points.residual = read<double>(file, names::residual, num_cells);
   return points;
 }
 
-SurfacePoints read_surface_points(const H5Reader& file, std::int64_t num_active) {
+SurfacePoints read_surface_points(const H5Reader& file, std::int64_t num_cells) {
   SurfacePoints points;
   const std::int64_t n = rows_of(file, names::surface_weights);
-  points.offsets = read<std::int64_t>(file, names::surface_offsets, num_active + 1);
+  points.offsets = read<std::int64_t>(file, names::surface_offsets, num_cells + 1);
   points.parameters = read<double>(file, names::surface_parameters, n, 3);
   points.weights = read<double>(file, names::surface_weights, n);
   points.normals = read<double>(file, names::surface_normals, n, 3);
@@ -126,7 +126,7 @@ SurfacePoints read_surface_points(const H5Reader& file, std::int64_t num_active)
   return points;
 }
 
-EmbeddedSurface read_surface(const H5Reader& file, std::int64_t num_active) {
+EmbeddedSurface read_surface(const H5Reader& file, std::int64_t num_cells) {
   EmbeddedSurface s;
   const std::int64_t num_vertices = rows_of(file, names::vertices, 2),
                      num_triangles = rows_of(file, names::triangles, 2);
@@ -137,8 +137,8 @@ EmbeddedSurface read_surface(const H5Reader& file, std::int64_t num_active) {
   s.mesh.region = read<std::int32_t>(file, names::region, num_triangles);
   s.mesh.region_names = file.strings(names::regions.path);
   s.vertex_parameters = read<double>(file, names::vertex_parameters, num_vertices, 3);
-  s.vertex_span = read<std::int64_t>(file, names::vertex_span, num_vertices);
-  s.quadrature = read_surface_points(file, num_active);
+  s.vertex_cell = read<std::int64_t>(file, names::vertex_cell, num_vertices);
+  s.quadrature = read_surface_points(file, num_cells);
   return s;
 }
 
@@ -151,16 +151,20 @@ TrimmedModel load(const H5Reader& file) {
   check_knots(file, m.grid);
   check_control_points(file, m.grid);
   const Index3 n = m.grid.spans();
-  const std::int64_t num_active = rows_of(file, names::active_spans);
+  const auto p = m.grid.degree();
+  const std::int64_t num_cells = rows_of(file, names::cell_span), num_links = rows_of(file, names::link_cells, 2);
   m.state = file.enums(names::state.path, {n[2], n[1], n[0]}, names::states);
-  m.active = read<std::int64_t>(file, names::active_spans, num_active);
-  m.volume_fraction = read<double>(file, names::volume_fraction, num_active);
+  m.cells.span = read<std::int64_t>(file, names::cell_span, num_cells);
+  m.cells.state = file.enums(names::cell_state.path, {num_cells}, names::states);
+  m.cells.volume_fraction = read<double>(file, names::volume_fraction, num_cells);
+  m.cells.functions = read<std::int32_t>(file, names::cell_functions, num_cells, (p[0] + 1) * (p[1] + 1) * (p[2] + 1));
+  m.links.cells = read<std::int32_t>(file, names::link_cells, num_links, 2);
   m.quadrature = read_quadrature_info(file);
-  m.points = read_points(file, num_active);
-  const std::int64_t num_functions = rows_of(file, names::active_functions);
-  m.active_functions = read<std::int64_t>(file, names::active_functions, num_functions);
-  m.mass_fraction = read<double>(file, names::mass_fraction, num_functions);
-  m.surface = read_surface(file, num_active);
+  m.points = read_points(file, num_cells);
+  const std::int64_t num_functions = rows_of(file, names::function_number);
+  m.functions.number = read<std::int64_t>(file, names::function_number, num_functions);
+  m.functions.mass_fraction = read<double>(file, names::mass_fraction, num_functions);
+  m.surface = read_surface(file, num_cells);
   m.provenance = read_provenance(file);
   return m;
 }

@@ -33,8 +33,18 @@ void write_spans(H5Writer& file, const TrimmedModel& m) {
   const Index3 n = m.grid.spans();
   file.group(names::spans, "which knot spans hold material");
   file.enums(names::state, {n[2], n[1], n[0]}, m.state, names::states);
-  write(file, names::active_spans, m.active);
-  write(file, names::volume_fraction, m.volume_fraction);
+}
+
+void write_cells(H5Writer& file, const TrimmedModel& m) {
+  const auto n = static_cast<std::int64_t>(m.num_cells());
+  file.group(names::cells, "what an analysis loops over: one piece of one span each");
+  write(file, names::cell_span, m.cells.span);
+  file.enums(names::cell_state, {n}, m.cells.state, names::states);
+  write(file, names::volume_fraction, m.cells.volume_fraction);
+  write(file, names::cell_functions, m.cells.functions,
+        n > 0 ? static_cast<std::int64_t>(m.cells.functions.size()) / n : 0);
+  file.group(names::links, "which cells hang together");
+  write(file, names::link_cells, m.links.cells, 2);
 }
 
 void write_quadrature(H5Writer& file, const TrimmedModel& m) {
@@ -61,9 +71,9 @@ void write_quadrature(H5Writer& file, const TrimmedModel& m) {
 }
 
 void write_functions(H5Writer& file, const TrimmedModel& m) {
-  file.group(names::functions, "the B-spline functions that touch material");
-  write(file, names::active_functions, m.active_functions);
-  write(file, names::mass_fraction, m.mass_fraction);
+  file.group(names::functions, "the functions that carry the solution: copies of the B-splines that touch material");
+  write(file, names::function_number, m.functions.number);
+  write(file, names::mass_fraction, m.functions.mass_fraction);
 }
 
 void write_surface(H5Writer& file, const EmbeddedSurface& s) {
@@ -72,7 +82,7 @@ void write_surface(H5Writer& file, const EmbeddedSurface& s) {
   if (s.bodies > 0) file.attribute(names::surface, "bodies", s.bodies);
   file.dataset(names::vertices, {static_cast<std::int64_t>(s.mesh.vertices.size()), 3}, flat(s.mesh.vertices));
   write(file, names::vertex_parameters, s.vertex_parameters, 3);
-  write(file, names::vertex_span, s.vertex_span);
+  write(file, names::vertex_cell, s.vertex_cell);
   file.dataset(names::triangles, {static_cast<std::int64_t>(s.mesh.triangles.size()), 3}, flat(s.mesh.triangles));
   write(file, names::region, s.mesh.region);
   file.strings(names::regions, s.mesh.region_names);
@@ -94,6 +104,7 @@ void write_model(const std::filesystem::path& path, const TrimmedModel& model) {
   file.attribute(names::root, "title", model.title);
   write_patch(file, model.grid);
   write_spans(file, model);
+  write_cells(file, model);
   write_quadrature(file, model);
   write_functions(file, model);
   write_surface(file, model.surface);

@@ -16,7 +16,8 @@ void expect_format(const H5Reader& file, const char* format, int major, const ch
   const auto end = std::from_chars(version.data(), version.data() + version.size(), number);
   if (end.ec != std::errc() || number != major || (*end.ptr != '.' && *end.ptr != '\0'))
     file.refuse("/ attribute format_version",
-                fmt::format("is '{}', this program reads {}.x (it writes {})", version, major, version_written));
+                fmt::format("is '{}', this program reads {}.x (it writes {}){}", version, major, version_written,
+                            number >= 0 && number < major ? ": made by an older version; make it again" : ""));
 }
 
 void write_provenance(H5Writer& file, const Provenance& p) {

@@ -1,4 +1,4 @@
-// The list of functions that touch material, and their mass fractions.
+// Which functions each cell sees, that copies and links agree, and the functions' mass fractions.
 #include "format/model/model_check.hpp"
 
 #include <algorithm>
@@ -7,40 +7,126 @@ namespace iga::detail {
 
 namespace {
 
-// Marks the functions (i, j) of one layer of spans: those whose support along u and v meets an active span of the
-// layer.
-void mark_layer(const TrimmedModel& m, std::int64_t layer, std::size_t& next, std::vector<std::uint8_t>& marks) {
-  std::fill(marks.begin(), marks.end(), std::uint8_t{0});
-  const auto degree = m.grid.degree();
-  const auto n = m.grid.functions();
-  for (; next < m.active.size(); ++next) {
-    const Index3 e = m.grid.span_index(m.active[next]);
-    if (e[2] != layer) break;
-    for (std::int64_t j = e[1]; j <= e[1] + degree[1]; ++j) {
-      const auto row = marks.begin() + (j * n[0] + e[0]);
-      std::fill(row, row + degree[0] + 1, std::uint8_t{1});
-    }
-  }
-}
+/// Cells of a copy and links among them.
+class CopyCheck {
+ public:
+  CopyCheck(const TrimmedModel& m, int limit, std::vector<std::string>& problems)
+      : m_(m), kind_(problems, limit, "cells/functions"), links_(problems, limit, "links/cells") {}
 
-// Calls visit(number) for all functions whose support holds an active span, ascending. Memory: p + 2 layers of
-// functions.
-template <class Visit> void for_each_function(const TrimmedModel& m, Visit visit) {
-  const auto n = m.grid.functions();
-  const auto depth = static_cast<std::size_t>(m.grid.degree()[2] + 1);
-  const auto layer_size = static_cast<std::size_t>(n[0] * n[1]);
-  std::vector<std::vector<std::uint8_t>> layers(depth, std::vector<std::uint8_t>(layer_size, 0));
-  std::vector<std::uint8_t> any(layer_size);
-  std::size_t next = 0;
-  for (std::int64_t k = 0; k < n[2]; ++k) {
-    mark_layer(m, k, next, layers[static_cast<std::size_t>(k) % depth]);
-    std::fill(any.begin(), any.end(), std::uint8_t{0});
-    for (const auto& layer : layers)
-      for (std::size_t i = 0; i < layer_size; ++i) any[i] = static_cast<std::uint8_t>(any[i] | layer[i]);
-    for (std::size_t i = 0; i < layer_size; ++i)
-      if (any[i]) visit(k * static_cast<std::int64_t>(layer_size) + static_cast<std::int64_t>(i));
+  bool run() {
+    if (!links_fit() || !numbers_fit()) return false;
+    join_cells();
+    return kind_.empty();
   }
-}
+
+ private:
+  std::size_t num_links() const { return m_.links.cells.size() / 2; }
+  std::int64_t low(std::size_t l) const { return m_.links.cells[2 * l]; }
+  std::int64_t high(std::size_t l) const { return m_.links.cells[2 * l + 1]; }
+
+  bool links_fit() {
+    const auto cells = static_cast<std::int64_t>(m_.num_cells());
+    for (std::size_t l = 0; l < num_links(); ++l) {
+      if (low(l) < 0 || high(l) >= cells || low(l) >= high(l)) {
+        links_.add("link {} joins cells {} and {} of {}, expected a lower and a higher one", l, low(l), high(l), cells);
+        continue;
+      }
+      if (l > 0 && std::pair(low(l - 1), high(l - 1)) >= std::pair(low(l), high(l)))
+        links_.add("link {} does not come after the one before", l);
+      const Index3 a = span(low(l)), b = span(high(l));
+      std::int64_t apart = 0;
+      for (std::size_t d = 0; d < 3; ++d) apart += std::abs(a[d] - b[d]);
+      if (apart != 1) links_.add("link {} joins cells {} and {}, whose spans share no face", l, low(l), high(l));
+    }
+    return links_.empty();
+  }
+
+  Index3 span(std::int64_t cell) const { return m_.grid.span_index(m_.cells.span[static_cast<std::size_t>(cell)]); }
+
+  bool numbers_fit() {
+    const auto& number = m_.functions.number;
+    const auto p = m_.grid.degree();
+    const auto functions = static_cast<std::int64_t>(number.size());
+    std::vector<std::uint8_t> seen(number.size(), 0);
+    for (std::size_t c = 0; c < m_.num_cells(); ++c) {
+      const Index3 e = span(static_cast<std::int64_t>(c));
+      const auto own = m_.functions_of(c);
+      std::size_t k = 0;
+      for (std::int64_t w = 0; w <= p[2]; ++w)
+        for (std::int64_t v = 0; v <= p[1]; ++v)
+          for (std::int64_t u = 0; u <= p[0]; ++u, ++k) {
+            const std::int32_t f = own[k];
+            const std::int64_t expected = m_.grid.function_number({e[0] + u, e[1] + v, e[2] + w});
+            if (f < 0 || f >= functions)
+              kind_.add("cell {} names function {} of {}", c, f, functions);
+            else if (number[static_cast<std::size_t>(f)] != expected)
+              kind_.add("entry {} of cell {} is a copy of the B-spline {}, expected {}", k, c,
+                        number[static_cast<std::size_t>(f)], expected);
+            else
+              seen[static_cast<std::size_t>(f)] = 1;
+          }
+    }
+    for (std::size_t f = 0; f < number.size(); ++f) {
+      if (f > 0 && number[f] < number[f - 1])
+        kind_.add("functions/number falls from {} to {} at entry {}", number[f - 1], number[f], f);
+      if (!seen[f]) kind_.add("function {} belongs to no cell", f);
+    }
+    return kind_.empty();
+  }
+
+  // A copy's cells under its links: one set each. Cells and functions meet in pairs, sorted by function.
+  void join_cells() {
+    std::vector<std::pair<std::int32_t, std::int32_t>> pairs; // function, cell
+    pairs.reserve(m_.cells.functions.size());
+    for (std::size_t c = 0; c < m_.num_cells(); ++c)
+      for (const std::int32_t f : m_.functions_of(c)) pairs.emplace_back(f, static_cast<std::int32_t>(c));
+    std::sort(pairs.begin(), pairs.end());
+    std::vector<std::int64_t> sets(m_.functions.number.size(), 0); // cells of a function less joins among them
+    std::vector<std::int32_t> parent(pairs.size());
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      parent[i] = static_cast<std::int32_t>(i);
+      ++sets[static_cast<std::size_t>(pairs[i].first)];
+    }
+    const auto root = [&](std::size_t i) {
+      while (parent[i] != static_cast<std::int32_t>(i)) {
+        parent[i] = parent[static_cast<std::size_t>(parent[i])];
+        i = static_cast<std::size_t>(parent[i]);
+      }
+      return i;
+    };
+    const auto place = [&](std::int32_t f, std::int64_t cell) {
+      const auto it = std::lower_bound(pairs.begin(), pairs.end(), std::pair(f, static_cast<std::int32_t>(cell)));
+      return static_cast<std::size_t>(it - pairs.begin());
+    };
+    for (std::size_t l = 0; l < num_links(); ++l) {
+      const auto a = m_.functions_of(static_cast<std::size_t>(low(l))),
+                 b = m_.functions_of(static_cast<std::size_t>(high(l)));
+      for (const std::int32_t f : a) {
+        const std::int64_t number = m_.functions.number[static_cast<std::size_t>(f)];
+        const auto same = std::find_if(b.begin(), b.end(), [&](std::int32_t g) {
+          return m_.functions.number[static_cast<std::size_t>(g)] == number;
+        });
+        if (same == b.end()) continue;
+        if (*same != f) {
+          links_.add("cells {} and {} see different copies ({}, {}) of the B-spline {}, which reaches both", low(l),
+                     high(l), f, *same, number);
+          continue;
+        }
+        const std::size_t x = root(place(f, low(l))), y = root(place(f, high(l)));
+        if (x == y) continue;
+        parent[std::max(x, y)] = static_cast<std::int32_t>(std::min(x, y));
+        --sets[static_cast<std::size_t>(f)];
+      }
+    }
+    for (std::size_t f = 0; f < sets.size(); ++f)
+      if (sets[f] != 1)
+        kind_.add("function {} lies on {} groups of cells that no links inside its support join, expected one", f,
+                  sets[f]);
+  }
+
+  const TrimmedModel& m_;
+  ProblemKind kind_, links_;
+};
 
 // ∫ N over the whole grid: Π (U[i + p + 1] - U[i]) / (p + 1). Piegl & Tiller (1997), exercise of section 2.
 double integral_of(const SplineGrid& grid, std::int64_t function) {
@@ -57,36 +143,20 @@ double integral_of(const SplineGrid& grid, std::int64_t function) {
 
 } // namespace
 
+bool cells_fit(const TrimmedModel& m, int limit, std::vector<std::string>& problems) {
+  return CopyCheck(m, limit, problems).run();
+}
+
 void check_functions(const TrimmedModel& m, int limit, std::vector<std::string>& problems) {
-  {
-    ProblemKind kind(problems, limit, "functions/active");
-    std::size_t next = 0;
-    bool differs = false;
-    for_each_function(m, [&](std::int64_t number) {
-      if (differs) return;
-      if (next < m.active_functions.size() && m.active_functions[next] == number) {
-        ++next;
-        return;
-      }
-      differs = true;
-      kind.add("entry {} is {}, expected {}: the functions whose support holds an active span, ascending", next,
-               next < m.active_functions.size() ? fmt::to_string(m.active_functions[next]) : std::string("missing"),
-               number);
-    });
-    if (!differs && next != m.active_functions.size())
-      kind.add("entry {} is {}, but no further function has an active span in its support", next,
-               m.active_functions[next]);
-    if (!kind.empty()) return;
-  }
   ProblemKind kind(problems, limit, "functions/mass_fraction");
   // The points reproduce moments to `tolerance` only, so a function that is full up to a hair may come out above one.
   const double largest = 1 + volume_rounding(m.grid) + moment_error(m.quadrature);
   Sum from_functions, from_points;
-  for (std::size_t f = 0; f < m.mass_fraction.size(); ++f) {
-    const double chi = m.mass_fraction[f];
+  for (std::size_t f = 0; f < m.functions.mass_fraction.size(); ++f) {
+    const double chi = m.functions.mass_fraction[f];
     if (!(chi > 0 && chi <= largest))
-      kind.add("function {} has mass fraction {}, expected a number above 0 and at most 1", m.active_functions[f], chi);
-    from_functions.add(chi * integral_of(m.grid, m.active_functions[f]));
+      kind.add("function {} has mass fraction {}, expected a number above 0 and at most 1", m.functions.number[f], chi);
+    from_functions.add(chi * integral_of(m.grid, m.functions.number[f]));
   }
   for (const double w : m.points.weights) from_points.add(w);
   // The functions sum to one everywhere.

@@ -1,4 +1,4 @@
-// The embedded surface: ownership by active spans, areas, and the integrals that prove it closed.
+// The embedded surface: ownership by cells, areas, and the integrals that prove it closed.
 #include "format/model/model_check.hpp"
 
 #include <algorithm>
@@ -40,15 +40,16 @@ bool mesh_fits(const TriangleMesh& mesh, int limit, std::vector<std::string>& pr
 }
 
 void check_vertices(const TrimmedModel& m, int limit, std::vector<std::string>& problems) {
-  ProblemKind owner(problems, limit, "surface/vertex_span");
+  ProblemKind owner(problems, limit, "surface/vertex_cell");
   ProblemKind inside(problems, limit, "surface/vertex_parameters");
   const Point3 rounding = parameter_rounding(m.grid);
-  for (std::size_t v = 0; v < m.surface.vertex_span.size(); ++v) {
-    const std::int64_t span = m.surface.vertex_span[v];
+  for (std::size_t v = 0; v < m.surface.vertex_cell.size(); ++v) {
+    const std::int64_t cell = m.surface.vertex_cell[v];
     const double* u = &m.surface.vertex_parameters[3 * v];
-    if (find_active(m, span) < 0)
-      owner.add("vertex {} belongs to span {}, which is not active", v, span);
-    else if (!in_closed_span(m.grid, m.grid.span_index(span), u, rounding))
+    if (cell < 0 || cell >= static_cast<std::int64_t>(m.num_cells()))
+      owner.add("vertex {} belongs to cell {} of {}", v, cell, m.num_cells());
+    else if (const std::int64_t span = m.cells.span[static_cast<std::size_t>(cell)];
+             !in_closed_span(m.grid, m.grid.span_index(span), u, rounding))
       inside.add("vertex {} ({}, {}, {}) lies outside its span {}", v, u[0], u[1], u[2], span);
   }
 }
@@ -76,14 +77,14 @@ SurfaceIntegrals check_points(const TrimmedModel& m, int limit, std::vector<std:
   SurfaceIntegrals sums{std::vector<Sum>(mesh.region_names.size()), {}, {}, {}};
   Point3 origin{}; // the grid's centre: a part far from the origin would lose digits otherwise
   for (std::size_t d = 0; d < 3; ++d) origin[d] = m.grid.A()[d] + 0.5 * (m.grid.B()[d] - m.grid.A()[d]);
-  for (std::size_t a = 0; a < m.active.size(); ++a) {
-    const Index3 ijk = m.grid.span_index(m.active[a]);
+  for (std::size_t a = 0; a < m.cells.span.size(); ++a) {
+    const Index3 ijk = m.grid.span_index(m.cells.span[a]);
     for (auto i = static_cast<std::size_t>(q.offsets[a]); i < static_cast<std::size_t>(q.offsets[a + 1]); ++i) {
       const Point3 u = row(q.parameters, i), n = row(q.normals, i);
       const double w = q.weights[i];
       const std::int32_t t = q.triangle[i];
       if (!in_closed_span(m.grid, ijk, u.data(), rounding))
-        inside.add("point {} ({}, {}, {}) lies outside its span {}", i, u[0], u[1], u[2], m.active[a]);
+        inside.add("point {} ({}, {}, {}) lies outside its span {}", i, u[0], u[1], u[2], m.cells.span[a]);
       if (!(w > 0 && std::isfinite(w))) weight.add("point {} has weight {}, expected a positive number", i, w);
       if (!(std::abs(norm(n) - 1) <= 1e-9)) unit.add("point {} has a normal of length {}, expected 1", i, norm(n));
       if (t < 0 || t >= static_cast<std::int64_t>(mesh.triangles.size())) {

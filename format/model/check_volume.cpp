@@ -9,33 +9,37 @@ namespace iga::detail {
 namespace {
 
 SpanState state_of(const TrimmedModel& m, std::size_t a) {
-  return static_cast<SpanState>(m.state[static_cast<std::size_t>(m.active[a])]);
+  return static_cast<SpanState>(m.cells.state[a]);
 }
 
 void check_fractions(const TrimmedModel& m, int limit, std::vector<std::string>& problems) {
-  ProblemKind kind(problems, limit, "spans/volume_fraction");
+  ProblemKind kind(problems, limit, "cells/volume_fraction");
   const double rounding = volume_rounding(m.grid);
   // A snapped span keeps its exact fraction: all of its surface lies within the sliver depth of its six faces.
   const double least_interior = 1 - 6 * m.quadrature.sliver_tolerance - rounding;
   const bool leaks = m.surface.accepted_leak > 0;
-  for (std::size_t a = 0; a < m.active.size(); ++a) {
-    const double f = m.volume_fraction[a];
+  double whole = 0; // of the span's cells so far
+  for (std::size_t a = 0; a < m.cells.span.size(); ++a) {
+    const double f = m.cells.volume_fraction[a];
     if (!(f >= -rounding && f <= 1 + rounding) && !(leaks && std::isfinite(f)))
-      kind.add("span {} has fraction {}, expected 0 … 1", m.active[a], f);
+      kind.add("span {} has fraction {}, expected 0 … 1", m.cells.span[a], f);
     else if (state_of(m, a) == SpanState::Interior && !(f >= least_interior) && !leaks)
-      kind.add("interior span {} has fraction {}, expected 1 to the sliver tolerance", m.active[a], f);
+      kind.add("interior span {} has fraction {}, expected 1 to the sliver tolerance", m.cells.span[a], f);
+    whole = a > 0 && m.cells.span[a] == m.cells.span[a - 1] ? whole + f : f;
+    if (!(whole <= 1 + rounding) && f <= 1 + rounding && !leaks)
+      kind.add("the cells of span {} have fractions that sum to {}, expected at most 1", m.cells.span[a], whole);
   }
 }
 
 void check_residuals(const TrimmedModel& m, int limit, std::vector<std::string>& problems) {
   ProblemKind kind(problems, limit, "quadrature/residual");
   double worst = 0;
-  for (std::size_t a = 0; a < m.active.size(); ++a) {
+  for (std::size_t a = 0; a < m.cells.span.size(); ++a) {
     const double r = m.points.residual[a];
     if (!(r >= 0 && r <= m.quadrature.tolerance))
-      kind.add("span {} has residual {}, expected 0 … tolerance {}", m.active[a], r, m.quadrature.tolerance);
+      kind.add("span {} has residual {}, expected 0 … tolerance {}", m.cells.span[a], r, m.quadrature.tolerance);
     else if (state_of(m, a) == SpanState::Interior && r != 0)
-      kind.add("interior span {} has residual {}, expected 0", m.active[a], r);
+      kind.add("interior span {} has residual {}, expected 0", m.cells.span[a], r);
     worst = std::max(worst, r);
   }
   if (kind.empty() && m.quadrature.max_residual != worst)
@@ -88,7 +92,7 @@ void check_volume(const TrimmedModel& m, int limit, std::vector<std::string>& pr
     check_offsets(m.points.offsets, m.points.weights.size(), kind);
     if (!kind.empty()) return;
   }
-  ProblemKind owns(problems, limit, "quadrature/offsets against spans/state");
+  ProblemKind owns(problems, limit, "quadrature/offsets against cells/state");
   ProblemKind inside(problems, limit, "quadrature/parameters");
   ProblemKind weight(problems, limit, "quadrature/weights");
   ProblemKind volume(problems, limit, "volume of a trimmed span");
@@ -99,28 +103,28 @@ void check_volume(const TrimmedModel& m, int limit, std::vector<std::string>& pr
 
   Sum all, interior;
   std::int64_t num_interior = 0;
-  for (std::size_t a = 0; a < m.active.size(); ++a) {
+  for (std::size_t a = 0; a < m.cells.span.size(); ++a) {
     const auto first = static_cast<std::size_t>(m.points.offsets[a]),
                last = static_cast<std::size_t>(m.points.offsets[a + 1]);
     const bool trimmed = state_of(m, a) == SpanState::Trimmed;
     if (first == last && (trimmed || m.quadrature.interior_rule == "gauss"))
-      owns.add("{} span {} owns no point", trimmed ? "trimmed" : "interior", m.active[a]);
-    const Index3 ijk = m.grid.span_index(m.active[a]);
+      owns.add("{} span {} owns no point", trimmed ? "trimmed" : "interior", m.cells.span[a]);
+    const Index3 ijk = m.grid.span_index(m.cells.span[a]);
     Sum own;
     for (std::size_t q = first; q < last; ++q) {
       const double* u = &m.points.parameters[3 * q];
       if (!in_closed_span(m.grid, ijk, u, rounding))
-        inside.add("point {} ({}, {}, {}) lies outside its span {}", q, u[0], u[1], u[2], m.active[a]);
+        inside.add("point {} ({}, {}, {}) lies outside its span {}", q, u[0], u[1], u[2], m.cells.span[a]);
       const double w = m.points.weights[q];
       if (!(w > 0 && std::isfinite(w))) weight.add("point {} has weight {}, expected a positive number", q, w);
       own.add(w);
     }
     all.add(own.value());
     if (trimmed) {
-      const double expected = m.volume_fraction[a] * span_volume;
+      const double expected = m.cells.volume_fraction[a] * span_volume;
       if (info && !(std::abs(own.value() - expected) <= fit * std::abs(expected) + span_rounding * span_volume))
-        volume.add("span {} has weights that sum to {:.17g}, expected fraction · span volume = {:.17g}", m.active[a],
-                   own.value(), expected);
+        volume.add("span {} has weights that sum to {:.17g}, expected fraction · span volume = {:.17g}",
+                   m.cells.span[a], own.value(), expected);
     } else {
       ++num_interior;
       interior.add(own.value());

@@ -58,14 +58,15 @@ constexpr double inside_tolerance = 1e-9;
 /// Relative tolerance of the integrals over the whole part.
 constexpr double integral_tolerance = 1e-9;
 
-/// Position of a linear span number in the ascending list of active spans, -1 where it is not in it.
-std::int64_t find_active(const TrimmedModel& model, std::int64_t span);
 /// Does parameter u lie in the closed span, to inside_tolerance?
 bool in_closed_span(const SplineGrid& grid, const Index3& span, const double* u, const Point3& rounding);
 /// Ragged-array rule: starts at 0, never falls, ends at `count`.
 void check_offsets(const std::vector<std::int64_t>& offsets, std::size_t count, ProblemKind& kind);
 
 void check_volume(const TrimmedModel& model, int limit, std::vector<std::string>& problems);
+/// cells/functions and links against each other: the right B-splines in the right order, every copy on cells that links
+/// inside its support join, and no link between two copies of one function. False where nothing may index by them.
+bool cells_fit(const TrimmedModel& model, int limit, std::vector<std::string>& problems);
 void check_functions(const TrimmedModel& model, int limit, std::vector<std::string>& problems);
 void check_surface(const TrimmedModel& model, int limit, std::vector<std::string>& problems);
 

@@ -25,11 +25,6 @@ double volume_rounding(const SplineGrid& grid) {
   return 1e-12 + r[0] + r[1] + r[2];
 }
 
-std::int64_t find_active(const TrimmedModel& model, std::int64_t span) {
-  const auto it = std::lower_bound(model.active.begin(), model.active.end(), span);
-  return it != model.active.end() && *it == span ? it - model.active.begin() : -1;
-}
-
 bool in_closed_span(const SplineGrid& grid, const Index3& span, const double* u, const Point3& rounding) {
   for (std::size_t d = 0; d < 3; ++d) {
     const auto& knots = grid.knots(static_cast<int>(d));
@@ -49,6 +44,11 @@ void check_offsets(const std::vector<std::int64_t>& offsets, std::size_t count, 
 
 } // namespace detail
 
+std::pair<std::size_t, std::size_t> TrimmedModel::cells_of(std::int64_t number) const {
+  const auto [first, last] = std::equal_range(cells.span.begin(), cells.span.end(), number);
+  return {static_cast<std::size_t>(first - cells.span.begin()), static_cast<std::size_t>(last - cells.span.begin())};
+}
+
 namespace {
 
 using detail::ProblemKind;
@@ -63,43 +63,52 @@ bool shapes_fit(const TrimmedModel& m, int limit, std::vector<std::string>& prob
   for (std::size_t d = 0; d < 3; ++d)
     if (m.grid.spans()[d] < 1) kind.add("the grid has no spans along {}", "uvw"[d]);
   if (!kind.empty()) return false;
-  const std::size_t active = m.active.size(), points = m.points.weights.size();
+  const std::size_t cells = m.num_cells(), points = m.points.weights.size();
   const auto& s = m.surface;
   const std::size_t surface_points = s.quadrature.weights.size(), vertices = s.mesh.vertices.size();
+  const auto p = m.grid.degree();
+  const auto local = static_cast<std::size_t>((p[0] + 1) * (p[1] + 1) * (p[2] + 1));
   expect_size(m.state, static_cast<std::size_t>(m.grid.num_spans()), "spans/state", kind);
-  expect_size(m.volume_fraction, active, "spans/volume_fraction", kind);
-  expect_size(m.points.offsets, active + 1, "quadrature/offsets", kind);
+  expect_size(m.cells.state, cells, "cells/state", kind);
+  expect_size(m.cells.volume_fraction, cells, "cells/volume_fraction", kind);
+  expect_size(m.cells.functions, cells * local, "cells/functions", kind);
+  expect_size(m.points.offsets, cells + 1, "quadrature/offsets", kind);
   expect_size(m.points.parameters, 3 * points, "quadrature/parameters", kind);
-  expect_size(m.points.residual, active, "quadrature/residual", kind);
-  expect_size(m.mass_fraction, m.active_functions.size(), "functions/mass_fraction", kind);
+  expect_size(m.points.residual, cells, "quadrature/residual", kind);
+  expect_size(m.functions.mass_fraction, m.functions.number.size(), "functions/mass_fraction", kind);
   expect_size(s.vertex_parameters, 3 * vertices, "surface/vertex_parameters", kind);
-  expect_size(s.vertex_span, vertices, "surface/vertex_span", kind);
+  expect_size(s.vertex_cell, vertices, "surface/vertex_cell", kind);
   expect_size(s.mesh.region, s.mesh.triangles.size(), "surface/region", kind);
-  expect_size(s.quadrature.offsets, active + 1, "surface/quadrature/offsets", kind);
+  expect_size(s.quadrature.offsets, cells + 1, "surface/quadrature/offsets", kind);
   expect_size(s.quadrature.parameters, 3 * surface_points, "surface/quadrature/parameters", kind);
   expect_size(s.quadrature.normals, 3 * surface_points, "surface/quadrature/normals", kind);
   expect_size(s.quadrature.triangle, surface_points, "surface/quadrature/triangle", kind);
-  if (active == 0) kind.add("no span is active");
+  if (m.links.cells.size() % 2 != 0) kind.add("links/cells has {} entries, expected pairs", m.links.cells.size());
+  if (cells == 0) kind.add("there is no cell");
   if (s.mesh.region_names.empty()) kind.add("surface/regions is empty, expected at least one region");
   return kind.empty();
 }
 
 bool states_fit(const TrimmedModel& m, int limit, std::vector<std::string>& problems) {
-  ProblemKind kind(problems, limit, "spans/state against spans/active");
-  auto next = m.active.begin();
+  ProblemKind kind(problems, limit, "spans/state against cells/span");
+  const auto& span = m.cells.span;
+  std::size_t next = 0;
   for (std::size_t e = 0; e < m.state.size(); ++e) {
     if (m.state[e] == 0) continue;
     if (m.state[e] > 2) kind.add("span {} has state {}, expected 0, 1 or 2", e, m.state[e]);
     // Where the two lists part, every later span would be reported too: stop at the first difference.
-    if (next == m.active.end() || *next != static_cast<std::int64_t>(e)) {
-      kind.add("span {} is not exterior but entry {} of spans/active is {}", e, next - m.active.begin(),
-               next == m.active.end() ? std::string("missing") : fmt::to_string(*next));
+    if (next == span.size() || span[next] != static_cast<std::int64_t>(e)) {
+      kind.add("span {} is not exterior but entry {} of cells/span is {}", e, next,
+               next == span.size() ? std::string("missing") : fmt::to_string(span[next]));
       return false;
     }
-    ++next;
+    const std::size_t first = next;
+    for (; next < span.size() && span[next] == static_cast<std::int64_t>(e); ++next)
+      if (m.cells.state[next] != m.state[e])
+        kind.add("cell {} has state {}, its span {} has {}", next, m.cells.state[next], e, m.state[e]);
+    if (m.state[e] == 1 && next - first > 1) kind.add("interior span {} has {} cells, expected one", e, next - first);
   }
-  if (next != m.active.end())
-    kind.add("entry {} of spans/active is {}, expected no further span", next - m.active.begin(), *next);
+  if (next != span.size()) kind.add("entry {} of cells/span is {}, expected no further span", next, span[next]);
   return kind.empty();
 }
 
@@ -109,6 +118,7 @@ std::vector<std::string> check(const TrimmedModel& model, int limit) {
   std::vector<std::string> problems;
   if (!shapes_fit(model, limit, problems) || !states_fit(model, limit, problems)) return problems;
   detail::check_volume(model, limit, problems);
+  if (!detail::cells_fit(model, limit, problems)) return problems;
   detail::check_functions(model, limit, problems);
   detail::check_surface(model, limit, problems);
   return problems;

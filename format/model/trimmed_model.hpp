@@ -6,20 +6,40 @@
 #include "format/model/triangle_mesh.hpp"
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace iga {
 
-/// Quadrature points of all active spans, stored as parallel arrays.
+/// What an analysis loops over. A cell is one *piece* of one span: a connected part of solid ∩ span. Most spans with
+/// material hold one; pieces of a span that see the same functions are one cell.
+struct Cells {
+  std::vector<std::int64_t> span;  ///< (num_cells); linear span number, ascending, repeated where a span holds several
+  std::vector<std::uint8_t> state; ///< (num_cells); SpanState: INTERIOR (the whole span) or TRIMMED
+  std::vector<double> volume_fraction; ///< (num_cells); of the span; exact, from the trimming
+  std::vector<std::int32_t> functions; ///< (num_cells × (p_u + 1)(p_v + 1)(p_w + 1)), u fastest: entries into Functions
+};
+
+/// The functions that carry the solution: one *copy* of a B-spline for each connected part of the solid in its support.
+struct Functions {
+  std::vector<std::int64_t> number;  ///< (n_f); the B-spline's linear number, ascending, repeated for its copies
+  std::vector<double> mass_fraction; ///< (n_f); ∫ N over the copy's cells / ∫ N over the whole grid, in (0, 1]
+};
+
+/// Cells of face-neighbouring spans that share solid area on the common face.
+struct CellLinks {
+  std::vector<std::int32_t> cells; ///< (n_links × 2); lower cell number first, sorted
+};
+
+/// Quadrature points of all cells, stored as parallel arrays.
 /// Invariant: every point lies in its closed span and inside the solid; every weight is positive.
 struct IntegrationPoints {
-  std::vector<std::int64_t>
-      offsets; ///< (num_active + 1); the a-th active span owns points [a] … [a + 1) - 1; entries may repeat
-  std::vector<double> parameters; ///< (num_points × 3), row-major, knot space
-  std::vector<double> weights;    ///< (num_points); physical volume, length³
-  std::vector<double> residual;   ///< (num_active); relative moment residual of a trimmed span, 0 for an interior one
+  std::vector<std::int64_t> offsets; ///< (num_cells + 1); cell c owns points [c] … [c + 1) - 1; entries may repeat
+  std::vector<double> parameters;    ///< (num_points × 3), row-major, knot space
+  std::vector<double> weights;       ///< (num_points); physical volume, length³
+  std::vector<double> residual;      ///< (num_cells); relative moment residual of a trimmed cell, 0 for an interior one
 };
 
 /// How the points were made and what was left out; attributes of /quadrature.
@@ -38,10 +58,10 @@ struct QuadratureInfo {
   std::int64_t dropped_spans = 0;
 };
 
-/// Points on the embedded surface: triangles cut at span faces, grouped by active span.
+/// Points on the embedded surface: triangles cut at span faces, grouped by cell.
 /// Invariants: Σ weights per region = area of the region; Σ n w = 0; Σ x·n w = 3 volume.
 struct SurfacePoints {
-  std::vector<std::int64_t> offsets;  ///< (num_active + 1)
+  std::vector<std::int64_t> offsets;  ///< (num_cells + 1)
   std::vector<double> parameters;     ///< (n × 3), row-major, knot space, inside the closed span
   std::vector<double> weights;        ///< (n); area, length²
   std::vector<double> normals;        ///< (n × 3); outward unit normals in space
@@ -53,7 +73,7 @@ struct EmbeddedSurface {
   TriangleMesh mesh; ///< in the STL's frame
   std::vector<double>
       vertex_parameters; ///< (n_v × 3), row-major, knot space, clamped into the closed span that owns the vertex
-  std::vector<std::int64_t> vertex_span; ///< (n_v); linear number of the active span that owns the vertex
+  std::vector<std::int64_t> vertex_cell; ///< (n_v); the cell that owns the vertex
   SurfacePoints quadrature;
   double accepted_leak = 0; ///< worst leak the user accepted, in span volumes; 0 for a closed surface
   std::int64_t bodies = 0;  ///< separate bodies that the surface encloses (cavities not counted); 0 where not known
@@ -77,21 +97,32 @@ struct Provenance {
   std::vector<std::string> warnings; ///< what may make results wrong or inaccurate: every analysis repeats it
 };
 
-/// One part in its grid. Active spans are the INTERIOR and TRIMMED ones in ascending linear number.
+/// One part in its grid.
 struct TrimmedModel {
   std::string title;
   std::string length_unit = "unspecified";
   SplineGrid grid;
-  std::vector<std::uint8_t> state;     ///< (n_w, n_v, n_u) of spans, u fastest; values of SpanState
-  std::vector<std::int64_t> active;    ///< (num_active); linear span numbers, ascending
-  std::vector<double> volume_fraction; ///< (num_active); exact, from the trimming
+  std::vector<std::uint8_t> state; ///< (n_w, n_v, n_u) of spans, u fastest; values of SpanState
+  Cells cells;
+  CellLinks links;
   IntegrationPoints points;
   QuadratureInfo quadrature;
-  std::vector<std::int64_t>
-      active_functions;              ///< (n_f); linear numbers of functions whose support holds material, ascending
-  std::vector<double> mass_fraction; ///< (n_f); ∫_Ω N dV / ∫ N dV over the whole grid, in (0, 1]
+  Functions functions;
   EmbeddedSurface surface;
   Provenance provenance;
+
+  std::size_t num_cells() const { return cells.span.size(); }
+  /// Is a cell a whole span?
+  bool is_interior(std::size_t cell) const {
+    return cells.state[cell] == static_cast<std::uint8_t>(SpanState::Interior);
+  }
+  /// First and last + 1 of the cells of a span; equal where it holds none.
+  std::pair<std::size_t, std::size_t> cells_of(std::int64_t span) const;
+  /// Functions that a cell sees: entries into `functions`, u fastest.
+  std::span<const std::int32_t> functions_of(std::size_t cell) const {
+    const std::size_t local = cells.functions.size() / cells.span.size();
+    return {cells.functions.data() + cell * local, local};
+  }
 };
 
 /// Everything wrong with a model, one sentence each; empty for a sound one. At most `limit` entries per kind.

@@ -1,24 +1,16 @@
 #include "preprocessor/connectivity/line_winding.hpp"
 
-#include "preprocessor/connectivity/lattice_nodes.hpp"
 #include "preprocessor/connectivity/line_lattice.hpp"
-#include "preprocessor/connectivity/shared_functions.hpp"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <span>
-#include <utility>
 
 namespace iga::prep {
 
 namespace {
-
-// A crossing this close to a span's face (span units) counts on both sides of it: the triangle and the clipped piece
-// may round to different sides.
-constexpr double face_noise = 1e-9;
 
 /// A stretch of one line where the winding number is wrong.
 struct BadStretch {
@@ -89,38 +81,13 @@ void judge_line(std::span<const LineCrossing> crossings, double line_end, double
   report.bad_lines += bad || winding != 0;
 }
 
-/// The touched spans in the order in which lines along one axis meet them: by slab, then row, then along the row.
-struct TouchedOrder {
-  std::vector<std::size_t> touched;     ///< numbers in SurfacePieces::spans
-  std::vector<std::int64_t> slab_first; ///< (num_slabs + 1)
-};
-
-TouchedOrder order_touched(const SplineGrid& grid, const SurfacePieces& pieces, std::size_t d) {
-  const std::size_t e = (d + 1) % 3, f = (d + 2) % 3;
-  const Index3 n = grid.spans();
-  std::vector<std::pair<std::int64_t, std::size_t>> keys(pieces.spans.size());
-  TouchedOrder out;
-  out.slab_first.assign(static_cast<std::size_t>(n[e]) + 1, 0);
-  for (std::size_t t = 0; t < keys.size(); ++t) {
-    const Index3 ijk = grid.span_index(pieces.spans[t]);
-    keys[t] = {(ijk[e] * n[f] + ijk[f]) * n[d] + ijk[d], t};
-    ++out.slab_first[static_cast<std::size_t>(ijk[e]) + 1];
-  }
-  tbb::parallel_sort(keys.begin(), keys.end());
-  for (std::size_t s = 0; s + 1 < out.slab_first.size(); ++s) out.slab_first[s + 1] += out.slab_first[s];
-  out.touched.reserve(keys.size());
-  for (const auto& [key, t] : keys) out.touched.push_back(t);
-  return out;
-}
-
-/// Follows the lines along one axis: judges them and records what they see at the lattice nodes of touched spans.
+/// Follows the lines along one axis and judges them.
 class AxisPass {
  public:
   AxisPass(const SplineGrid& grid, const TriangleMesh& mesh, const std::vector<Point3>& xi, const SurfacePieces& pieces,
-           LineLattice lattice, double sliver_tolerance, std::size_t axis, LatticeNodes& nodes)
+           LineLattice lattice, double sliver_tolerance, std::size_t axis)
       : grid_(grid), pieces_(pieces), lattice_(lattice), sliver_tolerance_(sliver_tolerance), d_(axis),
-        e_((axis + 1) % 3), f_((axis + 2) % 3), nodes_(nodes), shooter_(grid, mesh, xi, lattice, axis),
-        order_(order_touched(grid, pieces, axis)) {}
+        e_((axis + 1) % 3), f_((axis + 2) % 3), shooter_(grid, mesh, xi, lattice, axis) {}
 
   void run(WindingReport& report, BadStretch& worst) {
     std::vector<SlabReport> slabs(static_cast<std::size_t>(shooter_.num_slabs()));
@@ -129,7 +96,6 @@ class AxisPass {
       for (std::size_t s = range.begin(); s != range.end(); ++s) {
         shooter_.shoot(static_cast<std::int64_t>(s), crossings);
         slabs[s] = judge_slab(crossings);
-        record_nodes(s, crossings);
       }
     });
     report.num_lines += count_rows() * lattice_.per_span * lattice_.per_span;
@@ -166,61 +132,15 @@ class AxisPass {
     return grid_.to_position(u);
   }
 
-  Index3 index(std::size_t touched) const { return grid_.span_index(pieces_.spans[touched]); }
-
+  // Rows of spans along the axis that hold a touched span.
   std::int64_t count_rows() const {
-    std::int64_t rows = 0;
-    for (std::size_t q = 0; q < order_.touched.size(); ++q) {
-      const Index3 a = index(order_.touched[q]), b = index(order_.touched[q == 0 ? 0 : q - 1]);
-      rows += q == 0 || a[e_] != b[e_] || a[f_] != b[f_];
+    const Index3 n = grid_.spans();
+    std::vector<std::uint8_t> held(static_cast<std::size_t>(n[e_] * n[f_]), 0);
+    for (const std::int64_t span : pieces_.spans) {
+      const Index3 ijk = grid_.span_index(span);
+      held[static_cast<std::size_t>(ijk[e_] + n[e_] * ijk[f_])] = 1;
     }
-    return rows;
-  }
-
-  void record_nodes(std::size_t slab, const std::vector<LineCrossing>& crossings) {
-    const std::int64_t n = lattice_.per_span;
-    auto q = static_cast<std::size_t>(order_.slab_first[slab]);
-    const auto end = static_cast<std::size_t>(order_.slab_first[slab + 1]);
-    auto c = crossings.begin();
-    while (q < end) {
-      const std::size_t row_first = q;
-      const std::int64_t row = index(order_.touched[q])[f_];
-      while (q < end && index(order_.touched[q])[f_] == row) ++q;
-      const std::span<const std::size_t> spans(order_.touched.data() + row_first, q - row_first);
-      while (c != crossings.end() && c->line < row * n * n) ++c;
-      while (c != crossings.end() && c->line < (row + 1) * n * n) {
-        const auto first = c;
-        while (c != crossings.end() && c->line == first->line) ++c;
-        record_line(spans, {&*first, static_cast<std::size_t>(c - first)}, row);
-      }
-    }
-  }
-
-  void record_line(std::span<const std::size_t> spans, std::span<const LineCrossing> crossings, std::int64_t row) {
-    const std::int64_t n = lattice_.per_span;
-    Index3 m{};
-    m[e_] = crossings.front().line % n;
-    m[f_] = crossings.front().line / n - row * n;
-    std::size_t c = 0;
-    int winding = 0;
-    const auto pass = [&](double limit) { // crossings below the limit; true where there are any
-      const std::size_t before = c;
-      for (; c < crossings.size() && crossings[c].at < limit; ++c) winding += crossings[c].change;
-      return c > before;
-    };
-    for (const std::size_t t : spans) {
-      const std::int64_t span = index(t)[d_];
-      const auto face = static_cast<double>(span);
-      pass(face);
-      bool blocked = c > 0 && crossings[c - 1].at >= face - face_noise;
-      for (m[d_] = 0; m[d_] < n; ++m[d_]) {
-        blocked |= pass(lattice_.coordinate(d_, span * n + m[d_]));
-        if (blocked) nodes_.set_blocked(t, d_, m);
-        if (d_ == 0 && winding > 0) nodes_.set_inside(t, nodes_.node(m));
-        blocked = false;
-      }
-      if (c < crossings.size() && crossings[c].at < face + 1 + face_noise) nodes_.set_blocked(t, d_, m);
-    }
+    return std::count(held.begin(), held.end(), 1);
   }
 
   const SplineGrid& grid_;
@@ -228,9 +148,7 @@ class AxisPass {
   LineLattice lattice_;
   double sliver_tolerance_;
   std::size_t d_, e_, f_;
-  LatticeNodes& nodes_;
   LineShooter shooter_;
-  TouchedOrder order_;
 };
 
 } // namespace
@@ -240,14 +158,10 @@ WindingReport check_winding(const SplineGrid& grid, const TriangleMesh& mesh, co
   const auto degree = grid.degree();
   const LineLattice lattice{*std::max_element(degree.begin(), degree.end()) + 2};
   const std::vector<Point3> xi = to_span_units(grid, mesh);
-  LatticeNodes nodes(static_cast<std::int64_t>(trimming.pieces.spans.size()), lattice);
   WindingReport report;
   BadStretch worst;
   for (std::size_t axis = 0; axis < 3; ++axis)
-    AxisPass(grid, mesh, xi, trimming.pieces, lattice, sliver_tolerance, axis, nodes).run(report, worst);
-  const SharedFunctions shared = find_shared_functions(grid, trimming.pieces, trimming.state, nodes);
-  report.shared_functions = shared.count;
-  if (shared.count > 0) report.shared_where = grid.control_point(grid.function_index(shared.first));
+    AxisPass(grid, mesh, xi, trimming.pieces, lattice, sliver_tolerance, axis).run(report, worst);
   return report;
 }
 

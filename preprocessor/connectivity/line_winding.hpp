@@ -1,5 +1,4 @@
-// An independent check of a surface: winding numbers along regular lines through the grid, and what they tell about
-// overlaps and functions shared across gaps.
+// An independent check of a surface: winding numbers along regular lines through the grid.
 #pragma once
 
 #include "preprocessor/trim/trim.hpp"
@@ -13,8 +12,6 @@ struct WindingReport {
   std::int64_t bad_lines = 0; ///< lines with such a stretch longer than the sliver depth, or that do not end at 0
   int worst_winding = 0;      ///< the winding number furthest from 0 … 1; 1 where lines merely do not end at 0
   Point3 where{};             ///< position of the worst stretch's middle
-  std::int64_t shared_functions = 0; ///< functions whose support holds material on both sides of a gap or in two bodies
-  Point3 shared_where{};             ///< control point of the first of them
 };
 
 /// Shoots (max degree + 2)² lines per row along u, v and w through every row of spans that holds a touched span.

@@ -188,8 +188,33 @@ void gather_local_surface(const SplineGrid& grid, const Trimming& trimming, std:
     for (std::size_t d = 0; d < 3; ++d) v[d] = (v[d] - box.lower[d]) / (box.upper[d] - box.lower[d]);
 }
 
+namespace {
+
+// ∫ P_b(v) P_c(w) dA over a region of the face u+ = ∮ G_b(v) P_c(w) dw around it (Green), G_b the integral of P_b from
+// 0.
+void region_moments(const std::vector<std::array<double, 4>>& bounds, const std::array<int, 3>& degree, double* out) {
+  const LineRule& rule = gauss_legendre((degree[1] + degree[2] + 3) / 2);
+  std::fill_n(out, (degree[1] + 1) * (degree[2] + 1), 0.0);
+  for (const auto& [v0, w0, v1, w1] : bounds)
+    for (std::size_t k = 0; k < rule.nodes.size(); ++k) {
+      const double s = rule.nodes[k], weight = rule.weights[k] * (w1 - w0);
+      double G[max_moment_degree + 1]{}, P[max_moment_degree + 1]{};
+      legendre_integrals(v0 + s * (v1 - v0), degree[1], G);
+      legendre(w0 + s * (w1 - w0), degree[2], P);
+      for (int c = 0; c <= degree[2]; ++c)
+        for (int b = 0; b <= degree[1]; ++b) out[b + (degree[1] + 1) * c] += weight * G[b] * P[c];
+    }
+}
+
+} // namespace
+
 FarMoments::FarMoments(const SplineGrid& grid, const Trimming& trimming, const std::array<int, 3>& degree)
     : stride_(static_cast<std::size_t>((degree[1] + 1) * (degree[2] + 1))) {
+  for (const auto& [touched, bounds] : trimming.far_bounds) {
+    regions_.push_back(touched);
+    region_values_.resize(regions_.size() * stride_);
+    region_moments(bounds, degree, &region_values_[(regions_.size() - 1) * stride_]);
+  }
   const SurfacePieces& pieces = trimming.pieces;
   const std::int64_t num_u = grid.spans()[0];
   struct Row {
@@ -198,7 +223,7 @@ FarMoments::FarMoments(const SplineGrid& grid, const Trimming& trimming, const s
   std::vector<Row> rows;
   for (std::size_t t = 0, row_first = 0; t < pieces.spans.size(); ++t) {
     if (pieces.spans[t] / num_u != pieces.spans[row_first] / num_u) row_first = t;
-    if (!all_crossed(&trimming.face_state[6 * t])) continue;
+    if (!all_crossed(&trimming.face_state[6 * t]) || std::binary_search(regions_.begin(), regions_.end(), t)) continue;
     if (rows.empty() || rows.back().last_touched <= t) {
       std::size_t last = t + 1;
       while (last < pieces.spans.size() && pieces.spans[last] / num_u == pieces.spans[t] / num_u) ++last;
@@ -239,6 +264,9 @@ FarMoments::FarMoments(const SplineGrid& grid, const Trimming& trimming, const s
 }
 
 const double* FarMoments::find(std::size_t touched) const {
+  if (const auto it = std::lower_bound(regions_.begin(), regions_.end(), touched);
+      it != regions_.end() && *it == touched)
+    return &region_values_[static_cast<std::size_t>(it - regions_.begin()) * stride_];
   const auto it = std::lower_bound(spans_.begin(), spans_.end(), touched);
   if (it == spans_.end() || *it != touched) return nullptr;
   return &values_[static_cast<std::size_t>(it - spans_.begin()) * stride_];

@@ -32,7 +32,8 @@ struct LocalSurface {
 void gather_local_surface(const SplineGrid& grid, const Trimming& trimming, std::size_t touched, LocalSurface& out);
 
 /// Projected moments ∫ P_b(v) P_c(w) n_u dA of everything further along u, for the spans whose six faces are all
-/// crossed by the surface: the only ones whose moments need more than their own pieces.
+/// crossed by the surface: the only ones whose moments need more than their own polygons. For cells of a split span the
+/// same over their region on the face u+.
 class FarMoments {
  public:
   FarMoments(const SplineGrid& grid, const Trimming& trimming, const std::array<int, 3>& degree);
@@ -42,6 +43,8 @@ class FarMoments {
  private:
   std::vector<std::size_t> spans_; // touched spans that need them, ascending
   std::vector<double> values_;
+  std::vector<std::size_t> regions_; // touched entries of cells that need them, ascending
+  std::vector<double> region_values_;
   std::size_t stride_ = 0;
 };
 

@@ -120,12 +120,17 @@ std::vector<std::string> judge_winding(const WindingReport& winding, const Trimm
   return warnings;
 }
 
-std::vector<std::string> judge_bodies(const JoinedBodies& joined) {
-  if (joined.groups == joined.bodies) return {};
-  return {fmt::format("the surface encloses {} separate bodies, but functions join some of them: they will move as {} "
-                      "{}; choose smaller spans (a gap of degree + 1 spans is always enough) or separate files where "
-                      "they must move apart",
-                      joined.bodies, joined.groups, joined.groups == 1 ? "body" : "bodies")};
+std::vector<std::string> judge_cells(const CellTable& cells, const SplineGrid& grid) {
+  if (cells.unclear_spans == 0) return {};
+  const Box3 box = grid.span_box(grid.span_index(cells.first_unclear));
+  Point3 middle;
+  for (std::size_t d = 0; d < 3; ++d) middle[d] = 0.5 * (box.lower[d] + box.upper[d]);
+  return {
+      fmt::format("in {} span{} (first near {}) the surface leaks or crosses itself, so that what is connected with "
+                  "what cannot be told: walls in {} are treated as one and move together; mend the part where it "
+                  "was made",
+                  cells.unclear_spans, cells.unclear_spans == 1 ? "" : "s", text(grid.to_position(middle)),
+                  cells.unclear_spans == 1 ? "it" : "them")};
 }
 
 std::vector<std::string> judge_walls(const ThinWalls& walls, const SplineGrid& grid) {
@@ -147,31 +152,6 @@ std::vector<std::string> judge_walls(const ThinWalls& walls, const SplineGrid& g
   return {found + span_advice(w.span_size, w.num_spans, grid, "would do",
                               "give small spans across the wall only (--span-size with three numbers, the grid turned "
                               "by --rotate-axis-angle), or compare the results of two span sizes")};
-}
-
-std::vector<std::string> judge_gaps(const std::optional<NarrowGap>& gap, const WindingReport& winding,
-                                    const SplineGrid& grid) {
-  const std::string shared =
-      winding.shared_functions == 0
-          ? ""
-          : fmt::format("{} function{} shared across a gap or by two bodies (first near {})", winding.shared_functions,
-                        winding.shared_functions == 1 ? " is" : "s are", text(winding.shared_where));
-  if (!gap) {
-    if (shared.empty()) return {};
-    return {shared +
-            ": what lies on the two sides moves together there; choose smaller spans, or a file for each body, "
-            "where the sides must move apart"};
-  }
-  const auto degrees = grid.degree();
-  const int p = *std::max_element(degrees.begin(), degrees.end());
-  std::string warning = fmt::format(
-      "the narrowest gap is {:.4g} wide, {:.2g} spans, near {}: functions of degree {} are {} spans long, reach across "
-      "it and tie its two sides together",
-      gap->width, gap->spans, text(gap->where), p, p + 1);
-  if (!shared.empty()) warning += fmt::format(" ({})", shared);
-  return {warning + span_advice(gap->span_size, gap->num_spans, grid, "keep them apart",
-                                "where the sides must move apart, give each body a file of its own or widen the gap in "
-                                "the part")};
 }
 
 void judge_surface_points(const TrimmedModel& model, const SurfaceTreatment& treatment) {

@@ -3,10 +3,9 @@
 
 #include "format/model/errors.hpp"
 #include "format/model/trimmed_model.hpp"
-#include "preprocessor/connectivity/joined_bodies.hpp"
+#include "preprocessor/connectivity/cells.hpp"
 #include "preprocessor/connectivity/line_winding.hpp"
 #include "preprocessor/trim/trim.hpp"
-#include "preprocessor/walls/narrow_gaps.hpp"
 #include "preprocessor/walls/wall_thickness.hpp"
 
 #include <string>
@@ -40,16 +39,12 @@ std::vector<std::string> judge_trimming(const SplineGrid& grid, const Trimming& 
 std::vector<std::string> judge_winding(const WindingReport& winding, const Trimming& trimming,
                                        const SurfaceTreatment& treatment);
 
-/// A warning where functions join bodies that the surface separates; none else.
-std::vector<std::string> judge_bodies(const JoinedBodies& joined);
+/// A warning where the pieces of spans cannot be told, so that walls in them share functions; none else.
+std::vector<std::string> judge_cells(const CellTable& cells, const SplineGrid& grid);
 
 /// A warning where walls are too thin for their spans, with the span size that would do. An edge that merely tapers out
 /// and holds next to no volume is none.
 std::vector<std::string> judge_walls(const ThinWalls& walls, const SplineGrid& grid);
-
-/// A warning where functions are shared across a gap, with its width and the span size that keeps its sides apart.
-std::vector<std::string> judge_gaps(const std::optional<NarrowGap>& gap, const WindingReport& winding,
-                                    const SplineGrid& grid);
 
 /// Every surface point lies on its own triangle, to the sliver depth: a wall without material beside it (its thickness
 /// snapped, or none at all) would otherwise hand its points to some span far away. Not judged where spans were dropped

@@ -215,7 +215,8 @@ PrepReport make_model(const Settings& s, const RunInfo& run, const PreparedSurfa
   const WindingReport winding =
       stages.run("winding", [&] { return check_winding(model.grid, surface.mesh, trimming, s.trim.sliver_tolerance); });
   append(report.warnings, judge_winding(winding, trimming, treatment));
-  append(report.warnings, judge_bodies(find_joined_bodies(model.grid, surface.mesh, trimming)));
+  CellTable cells = stages.run("cells", [&] { return split_into_cells(model.grid, s.trim, trimming); });
+  append(report.warnings, judge_cells(cells, model.grid));
 
   QuadratureOptions options = s.quadrature;
   options.progress = [&](std::int64_t done, std::int64_t total) { progress.update(done, total); };
@@ -231,23 +232,19 @@ PrepReport make_model(const Settings& s, const RunInfo& run, const PreparedSurfa
   // Without leaks the two volumes agree to rounding; an accepted leak leaves only the one that the spans hold.
   const bool leaks = surface.open || trimming.worst_leak > volume_tolerance || report.trimming_error > volume_tolerance;
   model.quadrature = quadrature_info(s, trimming, leaks ? trimming.exact_volume : mesh_volume, quadrature.max_residual);
-  FunctionMass mass = stages.run("functions", [&] { return function_mass(model.grid, trimming, model.points); });
-  model.active_functions = std::move(mass.functions);
-  model.mass_fraction = std::move(mass.mass_fraction);
+  model.functions.mass_fraction =
+      stages.run("functions", [&] { return mass_fractions(model.grid, trimming, cells, model.points); });
   model.surface =
       stages.run("surface points", [&] { return make_embedded_surface(model.grid, surface.mesh, trimming); });
   trimming.pieces = {};
   model.surface.accepted_leak = leaks ? std::max(trimming.worst_leak, volume_tolerance) : 0;
   model.surface.bodies = surface.bodies;
   judge_surface_points(model, treatment);
-  model.state = std::move(trimming.state);
-  model.active = std::move(trimming.active);
-  model.volume_fraction = std::move(trimming.fraction);
+  place_cells(std::move(trimming), std::move(cells), model);
 
   const TriangleTree tree(model.surface.mesh);
   stages.run("walls", [&] { measure_walls_and_gaps(report, model, tree); });
   append(report.warnings, judge_walls(report.walls, model.grid));
-  append(report.warnings, judge_gaps(report.narrowest_gap, winding, model.grid));
   stages.run("check", [&] {
     describe_model(report, model);
     judge_weights(report.points_moments.volume, model.quadrature);

@@ -131,12 +131,11 @@ void describe_model(PrepReport& r, const TrimmedModel& model) {
   r.exterior = model.grid.num_spans() - r.interior - r.trimmed;
   r.points = static_cast<std::int64_t>(model.points.weights.size());
   r.points_interior = 0;
-  for (std::size_t a = 0; a < model.active.size(); ++a)
-    if (model.state[static_cast<std::size_t>(model.active[a])] == static_cast<std::uint8_t>(SpanState::Interior))
-      r.points_interior += model.points.offsets[a + 1] - model.points.offsets[a];
+  for (std::size_t a = 0; a < model.cells.span.size(); ++a)
+    if (model.is_interior(a)) r.points_interior += model.points.offsets[a + 1] - model.points.offsets[a];
   r.points_trimmed = r.points - r.points_interior;
-  r.functions = static_cast<std::int64_t>(model.active_functions.size());
-  r.light_functions = std::count_if(model.mass_fraction.begin(), model.mass_fraction.end(),
+  r.functions = static_cast<std::int64_t>(model.functions.number.size());
+  r.light_functions = std::count_if(model.functions.mass_fraction.begin(), model.functions.mass_fraction.end(),
                                     [](double chi) { return chi < light_mass_fraction; });
 
   r.points_moments = point_moments(model.grid, model.points, r.surface.centroid);

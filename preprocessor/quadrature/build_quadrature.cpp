@@ -80,14 +80,15 @@ QuadratureResult place_points(const SplineGrid& grid, const Trimming& trimming, 
   return result;
 }
 
-FunctionMass function_mass(const SplineGrid& grid, const Trimming& trimming, const IntegrationPoints& points) {
+std::vector<double> mass_fractions(const SplineGrid& grid, const Trimming& trimming, const CellTable& cells,
+                                   const IntegrationPoints& points) {
   const std::array<int, 3> p = grid.degree();
   const Index3 n = grid.functions();
   const Index3 spans = grid.spans();
 
-  // Functions that some active span supports, in ascending order: by rows, without anything of the size of the grid.
+  // Sums by function in the order of the cells, whatever the number of threads.
   struct Entry {
-    std::int64_t function;
+    std::int32_t function;
     double mass;
   };
   const std::size_t num_active = trimming.active.size();
@@ -133,11 +134,7 @@ FunctionMass function_mass(const SplineGrid& grid, const Trimming& trimming, con
           accumulate(points.weights[g]);
         }
       }
-      std::size_t f = 0;
-      for (int z = 0; z <= p[2]; ++z)
-        for (int y = 0; y <= p[1]; ++y)
-          for (int x = 0; x <= p[0]; ++x)
-            parts[b].push_back({ijk[0] + x + n[0] * (ijk[1] + y + n[1] * (ijk[2] + z)), mass[f++]});
+      for (std::size_t f = 0; f < local_size; ++f) parts[b].push_back({cells.functions[a * local_size + f], mass[f]});
     }
     std::stable_sort(parts[b].begin(), parts[b].end(), before);
     add_equal(parts[b]);
@@ -168,17 +165,31 @@ FunctionMass function_mass(const SplineGrid& grid, const Trimming& trimming, con
         whole[d][static_cast<std::size_t>(e + a)] += integrals[static_cast<std::size_t>(a)];
     }
   }
-  FunctionMass result;
-  result.functions.reserve(all.size());
-  result.mass_fraction.reserve(all.size());
+  std::vector<double> result;
+  result.reserve(all.size());
   for (const Entry& entry : all) {
-    const Index3 ijk = grid.function_index(entry.function);
+    const Index3 ijk = grid.function_index(cells.function[static_cast<std::size_t>(entry.function)]);
     const double full = whole[0][static_cast<std::size_t>(ijk[0])] * whole[1][static_cast<std::size_t>(ijk[1])] *
                         whole[2][static_cast<std::size_t>(ijk[2])];
-    result.functions.push_back(entry.function);
-    result.mass_fraction.push_back(std::min(1.0, entry.mass / full));
+    result.push_back(std::min(1.0, entry.mass / full));
   }
   return result;
+}
+
+void place_cells(Trimming&& trimming, CellTable&& cells, TrimmedModel& model) {
+  model.cells.state.resize(trimming.active.size());
+  for (std::size_t c = 0; c < trimming.active.size(); ++c)
+    model.cells.state[c] = trimming.state[static_cast<std::size_t>(trimming.active[c])];
+  model.state = std::move(trimming.state);
+  model.cells.span = std::move(trimming.active);
+  model.cells.volume_fraction = std::move(trimming.fraction);
+  model.cells.functions = std::move(cells.functions);
+  model.functions.number = std::move(cells.function);
+  model.links.cells.reserve(2 * trimming.links.size());
+  for (const PieceLink& link : trimming.links) {
+    model.links.cells.push_back(link.low);
+    model.links.cells.push_back(link.high);
+  }
 }
 
 } // namespace iga::prep

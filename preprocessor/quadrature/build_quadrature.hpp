@@ -2,6 +2,7 @@
 #pragma once
 
 #include "format/model/trimmed_model.hpp"
+#include "preprocessor/connectivity/cells.hpp"
 #include "preprocessor/quadrature/trimmed_rules.hpp"
 
 namespace iga::prep {
@@ -20,11 +21,11 @@ QuadratureResult place_points(const SplineGrid& grid, const Trimming& trimming, 
 /// @throws NumericalError naming the spans that did not reach the tolerance
 QuadratureResult build_quadrature(const SplineGrid& grid, const Trimming& trimming, const QuadratureOptions& options);
 
-/// Functions whose support holds material, ascending, and their mass fractions (numerics: ∫_Ω N / ∫ N).
-struct FunctionMass {
-  std::vector<std::int64_t> functions;
-  std::vector<double> mass_fraction;
-};
-FunctionMass function_mass(const SplineGrid& grid, const Trimming& trimming, const IntegrationPoints& points);
+/// ∫ N over its cells / ∫ N over the whole grid for each function of the table (numerics: mass fractions).
+std::vector<double> mass_fractions(const SplineGrid& grid, const Trimming& trimming, const CellTable& cells,
+                                   const IntegrationPoints& points);
+
+/// Moves states, cells, functions and links into a model; the mass fractions are left to the caller.
+void place_cells(Trimming&& trimming, CellTable&& cells, TrimmedModel& model);
 
 } // namespace iga::prep

@@ -16,42 +16,49 @@ namespace iga::prep {
 
 namespace {
 
-constexpr std::size_t none = static_cast<std::size_t>(-1);
+std::vector<PieceLink> links_of_spans(const SplineGrid& grid, const std::vector<std::int64_t>& active) {
+  std::vector<PieceLink> links;
+  for (std::size_t a = 0; a < active.size(); ++a)
+    for (std::size_t d = 0; d < 3; ++d) {
+      Index3 next = grid.span_index(active[a]);
+      if (++next[d] >= grid.spans()[d]) continue;
+      const std::int64_t number = grid.span_number(next);
+      const auto found = std::lower_bound(active.begin(), active.end(), number);
+      if (found != active.end() && *found == number)
+        links.push_back({static_cast<std::int32_t>(a), static_cast<std::int32_t>(found - active.begin()),
+                         static_cast<std::uint8_t>(d)});
+    }
+  return links;
+}
 
 /// Rigid spans and the groups that move together.
 class Rigidity {
  public:
   Rigidity(const SplineGrid& grid, const Trimming& trimming)
-      : grid_(grid), trimming_(trimming), rigid_(trimming.active.size(), 0), group_(trimming.active.size()) {
+      : trimming_(trimming), rigid_(trimming.active.size(), 0), group_(trimming.active.size()) {
     std::iota(group_.begin(), group_.end(), 0);
+    find_neighbours(grid);
     for (std::size_t a = 0; a < rigid_.size(); ++a)
       if (is_interior(trimming, a)) make_rigid(a);
   }
 
   bool is_rigid(std::size_t a) const { return rigid_[a] != 0; }
 
-  /// Active span beyond a face (2 d for the lower one in direction d), or none.
-  std::size_t neighbour(std::size_t a, std::size_t face) const {
-    Index3 ijk = grid_.span_index(trimming_.active[a]);
-    const std::size_t d = face / 2;
-    ijk[d] += face % 2 == 0 ? -1 : 1;
-    if (ijk[d] < 0 || ijk[d] >= grid_.spans()[d]) return none;
-    const std::int64_t number = grid_.span_number(ijk);
-    const auto found = std::lower_bound(trimming_.active.begin(), trimming_.active.end(), number);
-    if (found == trimming_.active.end() || *found != number) return none;
-    return static_cast<std::size_t>(found - trimming_.active.begin());
+  /// Calls visit(cell) for the cells beyond a face (2 d for the lower one in direction d) that a cell is linked with.
+  template <class Visit> void for_neighbours(std::size_t a, std::size_t face, const Visit& visit) const {
+    for (auto k = first_[6 * a + face]; k < first_[6 * a + face + 1]; ++k) visit(neighbours_[k]);
   }
 
   /// A span that moves rigidly moves as its rigid neighbours do. The others beside it may now be judged.
   void make_rigid(std::size_t a) {
     rigid_[a] = 1;
     for (std::size_t face = 0; face < 6; ++face) {
-      const std::size_t n = neighbour(a, face);
-      if (n == none) continue;
-      if (is_rigid(n))
-        join_sets(group_, static_cast<std::int32_t>(a), static_cast<std::int32_t>(n));
-      else if (!is_interior(trimming_, n))
-        beside_.push_back(n);
+      for_neighbours(a, face, [&](std::size_t n) {
+        if (is_rigid(n))
+          join_sets(group_, static_cast<std::int32_t>(a), static_cast<std::int32_t>(n));
+        else if (!is_interior(trimming_, n))
+          beside_.push_back(n);
+      });
     }
   }
 
@@ -73,13 +80,16 @@ class Rigidity {
   Hold held(std::size_t a) {
     std::map<std::int32_t, Hold> by_group;
     for (std::size_t face = 0; face < 6; ++face) {
-      const std::size_t n = neighbour(a, face);
-      if (n == none || !is_rigid(n)) continue;
-      Hold& hold = by_group[find_root(group_, static_cast<std::int32_t>(n))];
-      int& side = hold.faces[face / 2];
-      hold.clamped = hold.clamped || side != 0;
-      hold.directions += side == 0;
-      side = face % 2 == 0 ? -1 : 1;
+      const int way = face % 2 == 0 ? -1 : 1;
+      for_neighbours(a, face, [&](std::size_t n) {
+        if (!is_rigid(n)) return;
+        Hold& hold = by_group[find_root(group_, static_cast<std::int32_t>(n))];
+        int& side = hold.faces[face / 2];
+        if (side == way) return; // another cell beyond the same face
+        hold.clamped = hold.clamped || side != 0;
+        hold.directions += side == 0;
+        side = way;
+      });
     }
     Hold best;
     for (const auto& [group, hold] : by_group)
@@ -88,8 +98,27 @@ class Rigidity {
   }
 
  private:
-  const SplineGrid& grid_;
+  // From the links of the cells; neighbouring spans where spans were not split into cells.
+  void find_neighbours(const SplineGrid& grid) {
+    const std::vector<PieceLink> links =
+        trimming_.links.empty() ? links_of_spans(grid, trimming_.active) : trimming_.links;
+    first_.assign(6 * trimming_.active.size() + 1, 0);
+    const auto slot = [](std::int32_t cell, std::size_t face) { return 6 * static_cast<std::size_t>(cell) + face; };
+    for (const PieceLink& link : links) {
+      ++first_[slot(link.low, 2 * link.axis + 1U) + 1];
+      ++first_[slot(link.high, 2U * link.axis) + 1];
+    }
+    std::partial_sum(first_.begin(), first_.end(), first_.begin());
+    neighbours_.resize(first_.back());
+    std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
+    for (const PieceLink& link : links) {
+      neighbours_[next[slot(link.low, 2 * link.axis + 1U)]++] = static_cast<std::size_t>(link.high);
+      neighbours_[next[slot(link.high, 2U * link.axis)]++] = static_cast<std::size_t>(link.low);
+    }
+  }
+
   const Trimming& trimming_;
+  std::vector<std::size_t> first_, neighbours_; // of each cell's faces
   std::vector<std::uint8_t> rigid_;
   std::vector<std::int32_t> group_; // disjoint sets
   std::vector<std::size_t> beside_;
@@ -149,10 +178,10 @@ template <class Resists> class RigiditySearch {
     std::vector<WeakSpan> chosen;
     for (const std::size_t a : failed_) {
       bool fullest = true;
-      for (std::size_t face = 0; face < 6; ++face) {
-        const std::size_t n = rigidity_.neighbour(a, face);
-        fullest = fullest && (n == none || rigidity_.is_rigid(n) || tried_[n] == HeldFaces{} || fuller(a, n));
-      }
+      for (std::size_t face = 0; face < 6; ++face)
+        rigidity_.for_neighbours(a, face, [&](std::size_t n) {
+          fullest = fullest && (rigidity_.is_rigid(n) || tried_[n] == HeldFaces{} || fuller(a, n));
+        });
       if (fullest) chosen.push_back({a, rigidity_.held(a)});
     }
     for (const WeakSpan& weak : chosen) {
@@ -171,8 +200,9 @@ template <class Resists> class RigiditySearch {
     std::iota(part.begin(), part.end(), 0);
     for (const std::size_t a : open)
       for (std::size_t face = 1; face < 6; face += 2)
-        if (const std::size_t n = rigidity_.neighbour(a, face); n != none)
+        rigidity_.for_neighbours(a, face, [&](std::size_t n) {
           join_sets(part, static_cast<std::int32_t>(a), static_cast<std::int32_t>(n));
+        });
     std::map<std::int32_t, std::size_t> first;
     for (const std::size_t a : open) {
       const auto [entry, added] = first.try_emplace(find_root(part, static_cast<std::int32_t>(a)), a);
@@ -221,7 +251,7 @@ void TrimmedRules::secure(const QuadratureOptions& options) {
     const SpanRule own = rule(a);
     if (!reduced_ && own.shape == SpanShape::Free) return true; // the fitted rule
     Judge& judge = judges.local();
-    const SpanRule full = judge.open(touched_[a], grid_->degree());
+    const SpanRule full = judge.open(static_cast<std::size_t>(trimming_->touched[a]), grid_->degree());
     return judge.keeps(hold, own, full);
   };
   const std::vector<WeakSpan> weak = RigiditySearch(*grid_, *trimming_, resists).run();
@@ -229,7 +259,7 @@ void TrimmedRules::secure(const QuadratureOptions& options) {
   tbb::parallel_for(std::size_t{0}, weak.size(), [&](std::size_t i) {
     const auto& [a, hold] = weak[i];
     Judge& judge = judges.local();
-    const SpanRule full = judge.open(touched_[a], grid_->degree());
+    const SpanRule full = judge.open(static_cast<std::size_t>(trimming_->touched[a]), grid_->degree());
     // As in SpanReducer::reduce: a sliver where positions have few digits left keeps the rule it has.
     const auto fits = [&](const SpanRule& rule) { return rule.residual <= options.tolerance; };
     rules[i] = {a, fits(full) ? full : rule(a)};

@@ -158,19 +158,18 @@ SurfacePoints make_points(const SplineGrid& grid, const TriangleMesh& mesh, cons
 
   std::vector<Placement> placement(num_pieces);
   tbb::parallel_for(all, [&](const auto& range) {
-    std::int64_t last_span = -1, last_active = 0;
+    auto touched =
+        std::upper_bound(pieces.offsets.begin(), pieces.offsets.end(), static_cast<std::int64_t>(range.begin())) -
+        pieces.offsets.begin() - 1;
     for (std::size_t q = range.begin(); q != range.end(); ++q) {
+      while (pieces.offsets[static_cast<std::size_t>(touched) + 1] <= static_cast<std::int64_t>(q)) ++touched;
       const auto polygon = pieces.polygon(static_cast<std::int64_t>(q));
       const Facet facet = make_facet(grid, mesh, pieces.triangle[q]);
       std::int64_t count = 0;
       for_each_point(polygon, facet, h, rules, [&](const Point3&, double) { ++count; });
       if (count == 0) continue;
-      const std::int64_t span = owner.find(mean(polygon), facet.grid_normal);
-      if (span != last_span) {
-        last_span = span;
-        last_active = owner.active_number(span);
-      }
-      placement[q] = {last_active, count};
+      const Point3 middle = mean(polygon);
+      placement[q] = {owner.cell(owner.find(middle, facet.grid_normal), middle, touched), count};
     }
   });
 
@@ -223,11 +222,12 @@ EmbeddedSurface make_embedded_surface(const SplineGrid& grid, const TriangleMesh
 
   const std::vector<Point3> xi = to_span_units(grid, mesh);
   const std::vector<Point3> normals = vertex_normals(grid, mesh);
-  out.vertex_span.resize(xi.size());
+  out.vertex_cell.resize(xi.size());
   out.vertex_parameters.resize(3 * xi.size());
   tbb::parallel_for(std::size_t{0}, xi.size(), [&](std::size_t v) {
-    out.vertex_span[v] = owner.find(xi[v], normals[v]);
-    const Point3 u = owner.parameters_in(out.vertex_span[v], xi[v]);
+    const std::int64_t span = owner.find(xi[v], normals[v]);
+    out.vertex_cell[v] = owner.cell(span, xi[v], -1);
+    const Point3 u = owner.parameters_in(span, xi[v]);
     std::copy(u.begin(), u.end(), out.vertex_parameters.begin() + static_cast<std::ptrdiff_t>(3 * v));
   });
   return out;

@@ -16,16 +16,8 @@ namespace iga::prep {
 
 namespace {
 
-// Touched span that an active trimmed span is, for all active spans (unused for interior ones).
-std::vector<std::size_t> touched_of_active(const Trimming& trimming) {
-  std::vector<std::size_t> touched(trimming.active.size());
-  std::size_t t = 0;
-  for (std::size_t a = 0; a < touched.size(); ++a) {
-    if (is_interior(trimming, a)) continue;
-    while (trimming.pieces.spans[t] < trimming.active[a]) ++t;
-    touched[a] = t;
-  }
-  return touched;
+std::size_t touched(const Trimming& trimming, std::size_t active) {
+  return static_cast<std::size_t>(trimming.touched[active]);
 }
 
 void append(TrimmedRules::Block& block, const SpanRule& rule) {
@@ -54,7 +46,7 @@ bool is_interior(const Trimming& trimming, std::size_t active) {
 
 TrimmedRules::TrimmedRules(const SplineGrid& grid, const Trimming& trimming, const QuadratureOptions& options)
     : grid_(&grid), trimming_(&trimming), far_(grid, trimming, options.moment_degree),
-      touched_(touched_of_active(trimming)), blocks_((trimming.active.size() + spans_per_block - 1) / spans_per_block) {
+      blocks_((trimming.active.size() + spans_per_block - 1) / spans_per_block) {
   tbb::enumerable_thread_specific<MomentFitter> fitters(
       [&] { return MomentFitter(grid, trimming, far_, options.moment_degree, options.tolerance); });
   const auto total = static_cast<std::int64_t>(blocks_.size());
@@ -65,7 +57,7 @@ TrimmedRules::TrimmedRules(const SplineGrid& grid, const Trimming& trimming, con
     if (options.cancelled && options.cancelled()) throw Cancelled{};
     MomentFitter& fitter = fitters.local();
     for_trimmed(trimming, b, [&](std::size_t a) {
-      const SpanRule& rule = fitter.fit(touched_[a]);
+      const SpanRule& rule = fitter.fit(touched(trimming, a));
       append(blocks_[b], rule);
       counts[b].box_spans += rule.shape == SpanShape::Box;
       counts[b].prism_spans += rule.shape == SpanShape::Prism;
@@ -137,7 +129,7 @@ void TrimmedRules::reduce(const QuadratureOptions& options) {
       if (options.cancelled && options.cancelled())
         ++kept;
       else
-        reducer.reduce(touched_[a], rule);
+        reducer.reduce(touched(*trimming_, a), rule);
       append(blocks_[b], rule);
     });
     const std::int64_t now = done += static_cast<std::int64_t>(span);

@@ -47,7 +47,6 @@ class TrimmedRules {
   const SplineGrid* grid_;
   const Trimming* trimming_;
   FarMoments far_;
-  std::vector<std::size_t> touched_; // span of the pieces that an active trimmed span is; unused for interior ones
   std::vector<Block> blocks_;
   QuadratureCounts counts_;
   bool reduced_ = false;

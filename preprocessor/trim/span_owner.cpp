@@ -18,6 +18,15 @@ constexpr double same_distance = 1e-9;
 // near.
 constexpr std::int64_t max_shell = 6;
 
+double distance_to_polygon(std::span<const Point3> polygon, const Point3& xi) {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t a = 1; a + 1 < polygon.size(); ++a) {
+    const TriangleMesh facet{{polygon[0], polygon[a], polygon[a + 1]}, {{0, 1, 2}}, {}, {}};
+    least = std::min(least, distance_to_triangle(facet, 0, xi));
+  }
+  return least;
+}
+
 } // namespace
 
 struct SpanOwner::Choice {
@@ -77,9 +86,25 @@ std::int64_t SpanOwner::find(const Point3& xi, const Point3& normal) const {
   return best.span;
 }
 
-std::int64_t SpanOwner::active_number(std::int64_t span) const {
+std::int64_t SpanOwner::cell(std::int64_t span, const Point3& xi, std::int64_t touched) const {
   const auto& active = trimming_.active;
-  return std::lower_bound(active.begin(), active.end(), span) - active.begin();
+  const auto [first, last] = std::equal_range(active.begin(), active.end(), span);
+  const std::int64_t begin = first - active.begin(), end = last - active.begin();
+  if (end - begin == 1) return begin;
+  std::int64_t best = begin;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::int64_t c = begin; c < end; ++c) {
+    const std::int64_t own = trimming_.touched[static_cast<std::size_t>(c)];
+    if (own == touched) return c;
+    const auto t = static_cast<std::size_t>(own);
+    for (std::int64_t q = trimming_.pieces.offsets[t]; q < trimming_.pieces.offsets[t + 1]; ++q) {
+      const double distance = distance_to_polygon(trimming_.pieces.polygon(q), xi);
+      if (distance >= nearest) continue;
+      nearest = distance;
+      best = c;
+    }
+  }
+  return best;
 }
 
 Point3 SpanOwner::parameters_in(std::int64_t span, const Point3& xi) const {

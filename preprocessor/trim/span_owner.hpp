@@ -23,8 +23,11 @@ class SpanOwner {
   /// @pre at least one span is active
   std::int64_t find(const Point3& xi, const Point3& normal) const;
 
-  /// Position of an active span in Trimming::active.
-  std::int64_t active_number(std::int64_t span) const;
+  /// Cell of an active span to which a place on the surface belongs: where there are several, the one whose polygons
+  /// are nearest. A place on the surface of a cell and the nearest of its polygons have nothing but the solid between
+  /// them.
+  /// @param touched  entry that the place was cut for: its own cell where it has one in this span; -1 where not known
+  std::int64_t cell(std::int64_t span, const Point3& xi, std::int64_t touched) const;
 
   /// Parameters of a point given in span units, moved into the closed box of a span.
   Point3 parameters_in(std::int64_t span, const Point3& xi) const;

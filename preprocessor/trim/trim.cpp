@@ -127,15 +127,18 @@ JudgedVolume judge_faces(const OwnMoments& m, double volume, std::uint8_t* faces
 
 } // namespace
 
+double sliver_depth(const SplineGrid& grid, const TrimOptions& options) {
+  const Point3 rounding = detail::parameter_rounding(grid);
+  return std::max({options.sliver_tolerance, rounding[0], rounding[1], rounding[2]});
+}
+
 Trimming trim(const SplineGrid& grid, const TriangleMesh& mesh, const TrimOptions& options) {
   Trimming out;
   out.pieces = clip_to_spans(grid, mesh);
   const SurfacePieces& pieces = out.pieces;
   const Index3 n = grid.spans();
   const double span_volume = grid.span_volume();
-  // A cut that is shallower than positions are known to is none, whatever was asked for.
-  const Point3 rounding = detail::parameter_rounding(grid);
-  const double sliver_depth = std::max({options.sliver_tolerance, rounding[0], rounding[1], rounding[2]});
+  const double depth = sliver_depth(grid, options);
   const std::vector<Row> rows = find_rows(pieces, n[0]);
   out.state.assign(static_cast<std::size_t>(grid.num_spans()), static_cast<std::uint8_t>(SpanState::Exterior));
   out.touched_fraction.resize(pieces.spans.size());
@@ -172,7 +175,7 @@ Trimming trim(const SplineGrid& grid, const TriangleMesh& mesh, const TrimOption
       next = span;
       const Index3 ijk = grid.span_index(span);
       const Point3 corner{static_cast<double>(ijk[0]), static_cast<double>(ijk[1]), static_cast<double>(ijk[2])};
-      const OwnMoments m = own_moments(pieces, pieces.offsets[t], pieces.offsets[t + 1], corner, sliver_depth);
+      const OwnMoments m = own_moments(pieces, pieces.offsets[t], pieces.offsets[t + 1], corner, depth);
       const double raw = m.volume[0] + right;
       right += m.area[0];
       note_leak(span, std::max(-raw, raw - 1));
@@ -223,6 +226,7 @@ Trimming trim(const SplineGrid& grid, const TriangleMesh& mesh, const TrimOption
 
   out.active.resize(first.back());
   out.fraction.resize(first.back());
+  out.touched.resize(first.back());
   tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t r) {
     const std::int64_t row_start = pieces.spans[rows[r].first] / n[0] * n[0];
     std::size_t a = first[r], t = rows[r].first;
@@ -231,6 +235,7 @@ Trimming trim(const SplineGrid& grid, const TriangleMesh& mesh, const TrimOption
       if (out.state[static_cast<std::size_t>(span)] == static_cast<std::uint8_t>(SpanState::Exterior)) continue;
       const bool touched = t < rows[r].last && pieces.spans[t] == span;
       out.active[a] = span;
+      out.touched[a] = touched ? static_cast<std::int64_t>(t) : -1;
       out.fraction[a++] = touched ? out.touched_fraction[t] : 1.0;
     }
   });

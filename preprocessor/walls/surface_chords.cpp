@@ -15,7 +15,7 @@ constexpr std::size_t most_per_span = 8;
 
 std::vector<SurfaceSample> sample_surface(const TrimmedModel& model, std::size_t most) {
   const SurfacePoints& points = model.surface.quadrature;
-  const std::size_t spans = model.active.size();
+  const std::size_t spans = model.cells.span.size();
   std::size_t with_surface = 0;
   for (std::size_t a = 0; a < spans; ++a) with_surface += points.offsets[a + 1] > points.offsets[a];
   const std::size_t per_span = std::clamp<std::size_t>(most / std::max<std::size_t>(with_surface, 1), 1, most_per_span);

@@ -11,7 +11,7 @@ namespace iga::prep {
 
 /// A place that stands for a part of the surface.
 struct SurfaceSample {
-  std::size_t active = 0;   ///< active span that owns it, position in model.active
+  std::size_t active = 0;   ///< active span that owns it, position in model.cells.span
   std::size_t triangle = 0; ///< on which it lies
   Point3 x{};               ///< position, length
   Point3 normal{};          ///< outward unit normal

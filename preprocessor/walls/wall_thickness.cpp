@@ -83,7 +83,7 @@ std::vector<Thickness> measure_walls(const TrimmedModel& model, const WallRuler&
 // The wall of the block of spans around each span; the thinnest of all.
 std::optional<ThinWall> thinnest_block(const TrimmedModel& model, const std::vector<SurfaceSample>& samples,
                                        const std::vector<Thickness>& walls) {
-  std::vector<std::size_t> first(model.active.size() + 1, 0); // samples, and so walls, come span by span
+  std::vector<std::size_t> first(model.cells.span.size() + 1, 0); // samples, and so walls, come span by span
   for (const Thickness& w : walls) ++first[samples[w.sample].active + 1];
   for (std::size_t a = 0; a + 1 < first.size(); ++a) first[a + 1] += first[a];
   const Index3 n = model.grid.spans();
@@ -91,16 +91,14 @@ std::optional<ThinWall> thinnest_block(const TrimmedModel& model, const std::vec
   std::vector<Thickness> block;
   for (std::size_t a = 0; a + 1 < first.size(); ++a) {
     if (first[a] == first[a + 1]) continue;
-    const Index3 middle = model.grid.span_index(model.active[a]);
+    const Index3 middle = model.grid.span_index(model.cells.span[a]);
     block.clear();
     double area = 0;
     for (std::int64_t k = std::max<std::int64_t>(middle[2] - 1, 0); k <= std::min(middle[2] + 1, n[2] - 1); ++k)
       for (std::int64_t j = std::max<std::int64_t>(middle[1] - 1, 0); j <= std::min(middle[1] + 1, n[1] - 1); ++j)
         for (std::int64_t i = std::max<std::int64_t>(middle[0] - 1, 0); i <= std::min(middle[0] + 1, n[0] - 1); ++i) {
-          const std::int64_t found = detail::find_active(model, model.grid.span_number({i, j, k}));
-          if (found < 0) continue;
-          const auto b = static_cast<std::size_t>(found);
-          for (std::size_t w = first[b]; w < first[b + 1]; ++w) {
+          const auto [begin, end] = model.cells_of(model.grid.span_number({i, j, k}));
+          for (std::size_t w = first[begin]; w < first[end]; ++w) {
             block.push_back(walls[w]);
             area += samples[walls[w].sample].area;
           }

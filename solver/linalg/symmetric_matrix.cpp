@@ -19,12 +19,12 @@ struct NodeSpans {
 NodeSpans spans_of_nodes(const SolutionSpace& space) {
   NodeSpans inverse;
   inverse.offsets.assign(static_cast<std::size_t>(space.num_nodes()) + 1, 0);
-  for (std::int64_t a = 0; a < space.num_spans(); ++a)
+  for (std::int64_t a = 0; a < space.num_cells(); ++a)
     for (const std::int32_t node : space.nodes(a)) ++inverse.offsets[static_cast<std::size_t>(node) + 1];
   for (std::size_t n = 1; n < inverse.offsets.size(); ++n) inverse.offsets[n] += inverse.offsets[n - 1];
   inverse.spans.resize(static_cast<std::size_t>(inverse.offsets.back()));
   std::vector<std::int64_t> next(inverse.offsets.begin(), inverse.offsets.end() - 1);
-  for (std::int64_t a = 0; a < space.num_spans(); ++a)
+  for (std::int64_t a = 0; a < space.num_cells(); ++a)
     for (const std::int32_t node : space.nodes(a))
       inverse.spans[static_cast<std::size_t>(next[static_cast<std::size_t>(node)]++)] = static_cast<std::int32_t>(a);
   return inverse;
@@ -72,8 +72,8 @@ SpanBlocks make_blocks(const SolutionSpace& space) {
   const SplineGrid& grid = space.model().grid;
   const Index3 extent = grid.spans();
   std::vector<std::pair<std::int64_t, std::int32_t>> order; // block, span
-  for (std::int64_t a = 0; a < space.num_spans(); ++a) {
-    const Index3 s = grid.span_index(space.model().active[static_cast<std::size_t>(a)]);
+  for (std::int64_t a = 0; a < space.num_cells(); ++a) {
+    const Index3 s = grid.span_index(space.model().cells.span[static_cast<std::size_t>(a)]);
     const auto blocks = [&](std::size_t d) { return (extent[d] + block_edge - 1) / block_edge; };
     order.emplace_back(s[0] / block_edge + blocks(0) * (s[1] / block_edge + blocks(1) * (s[2] / block_edge)),
                        static_cast<std::int32_t>(a));

@@ -22,8 +22,7 @@ struct WorkSpace {
 };
 
 bool is_interior(const TrimmedModel& model, std::int64_t a) {
-  return static_cast<SpanState>(model.state[static_cast<std::size_t>(model.active[static_cast<std::size_t>(a)])]) ==
-         SpanState::Interior;
+  return model.is_interior(static_cast<std::size_t>(a));
 }
 
 // G_ij = Σ_q w ∇N_i ∇N_jᵀ: all that a span's stiffness needs of its points, whatever the material. Lower triangle.
@@ -93,7 +92,7 @@ void span_matrix(const SolutionSpace& space, std::int64_t a, const Elasticity& e
   const TrimmedModel& model = space.model();
   if (is_interior(model, a) && space.local_extension(a).size() == 0 &&
       as_tensor(span_points(space, a, work.points, interior), work.tensor)) {
-    const GradientProducts products(model.grid, model.active[static_cast<std::size_t>(a)], work.tensor);
+    const GradientProducts products(model.grid, model.cells.span[static_cast<std::size_t>(a)], work.tensor);
     work.product.resize(3 * products.functions(), 3 * products.functions());
     products.for_pairs([&](Eigen::Index i, Eigen::Index j, const Eigen::Matrix3d& g) {
       work.product.block<3, 3>(3 * i, 3 * j) = elasticity.block(g, i == j);
@@ -121,12 +120,12 @@ SpanClasses classify(const SolutionSpace& space, InteriorPoints interior) {
   const SplineGrid& grid = model.grid;
   const Index3 extent = grid.spans();
   const auto p = grid.degree();
-  std::vector<std::vector<std::int64_t>> keys(model.active.size());
+  std::vector<std::vector<std::int64_t>> keys(model.cells.span.size());
   tbb::parallel_for(std::size_t{0}, keys.size(), [&](std::size_t s) {
     const auto a = static_cast<std::int64_t>(s);
     if (!is_interior(model, a)) return;
     if (space.local_extension(a).size() > 0 || space.fictitious_share(a) > 0) return;
-    const Index3 ijk = grid.span_index(model.active[s]);
+    const Index3 ijk = grid.span_index(model.cells.span[s]);
     const Box3 box = grid.span_box(ijk);
     auto& key = keys[s];
     for (std::size_t d = 0; d < 3; ++d) // distance from the ends of the grid, as far as it changes the functions
@@ -231,9 +230,9 @@ namespace {
 
 // s_i = ∫ N_i dV; (num_nodes)
 Eigen::VectorXd function_integrals(const SolutionSpace& space) {
-  std::vector<Eigen::VectorXd> local(static_cast<std::size_t>(space.num_spans()));
+  std::vector<Eigen::VectorXd> local(static_cast<std::size_t>(space.num_cells()));
   tbb::enumerable_thread_specific<WorkSpace> work_spaces;
-  tbb::parallel_for(std::int64_t{0}, space.num_spans(), [&](std::int64_t a) {
+  tbb::parallel_for(std::int64_t{0}, space.num_cells(), [&](std::int64_t a) {
     WorkSpace& work = work_spaces.local();
     const auto [parameters, weights] = span_points(space, a, work.points);
     evaluate(space, a, parameters, Shapes::Values, work.shapes);
@@ -242,7 +241,7 @@ Eigen::VectorXd function_integrals(const SolutionSpace& space) {
         Eigen::Map<const Eigen::VectorXd>(weights.data(), static_cast<Eigen::Index>(weights.size()));
   });
   Eigen::VectorXd sums = Eigen::VectorXd::Zero(space.num_nodes());
-  for (std::int64_t a = 0; a < space.num_spans(); ++a) {
+  for (std::int64_t a = 0; a < space.num_cells(); ++a) {
     const auto nodes = space.nodes(a);
     for (std::size_t i = 0; i < nodes.size(); ++i)
       sums[nodes[i]] += local[static_cast<std::size_t>(a)][static_cast<Eigen::Index>(i)];

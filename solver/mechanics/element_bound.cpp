@@ -70,11 +70,11 @@ double quick_bound(const MatrixXd& A, MatrixXd& square) {
 
 std::optional<ElementBound> element_bound(const SolutionSpace& space, const ElasticMaterial& material, MassType mass) {
   if (mass == MassType::Consistent || space.is_extended()) return {};
-  std::vector<double> lambda(static_cast<std::size_t>(space.num_spans()), 0);
+  std::vector<double> lambda(static_cast<std::size_t>(space.num_cells()), 0);
   std::atomic<double> largest{0};
   std::atomic<bool> massless{false};
   tbb::enumerable_thread_specific<WorkSpace> spaces;
-  tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, space.num_spans(), 8), [&](const auto& range) {
+  tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, space.num_cells(), 8), [&](const auto& range) {
     WorkSpace& work = spaces.local();
     for (std::int64_t a = range.begin(); a < range.end() && !massless; ++a) {
       if (span_weights(space.model(), a).empty() && bounding_points(space.model()) == InteriorPoints::Model) continue;

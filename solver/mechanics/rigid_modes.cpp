@@ -93,7 +93,7 @@ Bodies separate_bodies(const NodePattern& pattern) {
 
 Bodies separate_bodies(const SolutionSpace& space) {
   Joined joined(space.num_nodes());
-  for (std::int64_t a = 0; a < space.num_spans(); ++a)
+  for (std::int64_t a = 0; a < space.num_cells(); ++a)
     for (const std::int32_t node : space.nodes(a)) joined.join(space.nodes(a).front(), node);
   return joined.bodies();
 }

@@ -10,7 +10,7 @@ FieldSamples recover_fields(const SolutionSpace& space, const ElasticMaterial& m
                             std::span<const std::int64_t> offsets, const std::vector<double>& parameters) {
   SamplePoints points;
   points.parameters = parameters;
-  for (std::int64_t a = 0; a < space.num_spans(); ++a) {
+  for (std::int64_t a = 0; a < space.num_cells(); ++a) {
     const auto first = static_cast<std::size_t>(a);
     points.span.insert(points.span.end(), static_cast<std::size_t>(offsets[first + 1] - offsets[first]), a);
   }

@@ -9,7 +9,7 @@ namespace iga::solve {
 
 /// Where fields are wanted.
 struct SamplePoints {
-  std::vector<std::int64_t> span; ///< (n); position of the owner in model.active
+  std::vector<std::int64_t> span; ///< (n); position of the owner in model.cells.span
   std::vector<double> parameters; ///< (n × 3), row-major, in the closed span
 };
 

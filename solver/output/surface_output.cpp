@@ -40,14 +40,16 @@ class Subdivision {
     OutputMesh out;
     const std::size_t n = vertices_.size();
     out.parameters = model.surface.vertex_parameters;
-    out.span = model.surface.vertex_span;
+    out.cell = model.surface.vertex_cell;
     out.parameters.resize(3 * n);
+    out.cell.resize(n);
     out.span.resize(n);
     tbb::parallel_for(given_, n, [&](std::size_t v) {
       const auto owner = nearest_span(model, grid_.to_parameter(vertices_[v]), outward_[v - given_]);
-      out.span[v] = model.active[static_cast<std::size_t>(owner.active)];
+      out.cell[v] = owner.cell;
       std::copy(owner.parameter.begin(), owner.parameter.end(), &out.parameters[3 * v]);
     });
+    for (std::size_t v = 0; v < n; ++v) out.span[v] = model.cells.span[static_cast<std::size_t>(out.cell[v])];
     out.mesh = {std::move(vertices_), std::move(triangles_), std::move(region_), model.surface.mesh.region_names};
     return out;
   }
@@ -163,10 +165,7 @@ OutputMesh refine_surface(const TrimmedModel& model, double longest) {
 SurfaceResult sample_surface(const SolutionSpace& space, const ElasticMaterial& material, OutputMesh output,
                              const Eigen::Ref<const Eigen::MatrixXd>& unknowns, std::vector<double> steps,
                              Fields fields) {
-  const auto& active = space.model().active;
-  SamplePoints points{{}, output.parameters};
-  for (const std::int64_t span : output.span)
-    points.span.push_back(std::lower_bound(active.begin(), active.end(), span) - active.begin());
+  const SamplePoints points{output.cell, output.parameters};
   SurfaceResult result;
   result.fields = sample_fields(space, material, points, unknowns, fields);
   result.output = std::move(output);

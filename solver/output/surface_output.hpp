@@ -7,7 +7,7 @@ namespace iga::solve {
 
 /// The model's surface, its long edges halved until none is longer than span / subdivide (measured along the grid's
 /// axes in spans). Whether an edge is halved depends on that edge alone, so no crack opens between triangles. The
-/// model's vertices come first, unchanged; every vertex belongs to an active span.
+/// model's vertices come first, unchanged; every vertex belongs to a cell.
 /// @throws InputError where subdivide < 1, or where the triangles would be too many, naming the number
 OutputMesh subdivide_surface(const TrimmedModel& model, int subdivide);
 

@@ -30,7 +30,7 @@ Results mode_results(const AnalysisRun& run, const EigenOutcome& outcome) {
   const ModeSet& modes = outcome.modes;
   Results results;
   results.header = results_header(run, "eigen", space);
-  results.active_functions = run.model.active_functions;
+  results.active_functions = run.model.functions.number;
   EigenResult eigen;
   eigen.mass = solve::name_of(run.settings.mass);
   if (modes.sturm && modes.sturm->shift > 0) eigen.complete_below = std::sqrt(modes.sturm->shift) / two_pi;

@@ -42,7 +42,7 @@ std::string text_report(const std::filesystem::path& file, const TrimmedModel& m
   if (q.dropped_spans) line("dropped", "{} spans, volume {:.4g}", q.dropped_spans, -q.dropped_volume);
   line("centroid", "({:.8g})", fmt::join(s.centroid, ", "));
   line("functions", "{} touch material, {} of them light (mass fraction below {}), lightest {:.3g}",
-       m.active_functions.size(), s.light_functions, light_below, s.lightest);
+       m.functions.number.size(), s.light_functions, light_below, s.lightest);
   line("surface", "{} triangles, {} vertices, {} quadrature points, area {:.10g}", m.surface.mesh.triangles.size(),
        m.surface.mesh.vertices.size(), s.surface_points, s.area);
   if (m.surface.accepted_leak > 0)
@@ -102,7 +102,7 @@ std::string json_report(const std::filesystem::path& file, const TrimmedModel& m
       .add("snapped", q.snapped_volume)
       .add("dropped", q.dropped_volume);
   volume.add("snapped_spans", q.snapped_spans).add("dropped_spans", q.dropped_spans).add("centroid", s.centroid);
-  functions.add("active", m.active_functions.size()).add("light", s.light_functions).add("light_below", light_below);
+  functions.add("active", m.functions.number.size()).add("light", s.light_functions).add("light_below", light_below);
   functions.add("lightest", s.lightest);
   std::vector<JsonObject> regions;
   for (const auto& r : s.regions)

@@ -13,7 +13,7 @@ namespace {
 Results static_results(const AnalysisRun& run, const SolutionSpace& space, StaticSolution& solution) {
   Results results;
   results.header = results_header(run, "static", space);
-  results.active_functions = run.model.active_functions;
+  results.active_functions = run.model.functions.number;
   results.surface = sample_surface(space, run.settings.material, subdivide_surface(run.model, run.settings.subdivide),
                                    solution.unknowns, {1}, Fields::All);
   results.statics = std::move(solution.result);

@@ -192,7 +192,7 @@ void visit_tables(const std::filesystem::path& file, const Results& results, con
 
 void visit_tables(const TrimmedModel& model, const TableVisitor& visit) {
   const Units units(model.length_unit);
-  const auto owner = owners(model.active, model.points.offsets);
+  const auto owner = owners(model.cells.span, model.points.offsets);
   const auto positions = positions_of(model.grid, model.points.parameters);
   CsvTable points("points", model.points.weights.size());
   whole(points, "span", owner).numbers("position", units("length"), positions, xyz);
@@ -202,7 +202,7 @@ void visit_tables(const TrimmedModel& model, const TableVisitor& visit) {
 
   const SurfacePoints& q = model.surface.quadrature;
   const TriangleMesh& mesh = model.surface.mesh;
-  const auto surface_owner = owners(model.active, q.offsets);
+  const auto surface_owner = owners(model.cells.span, q.offsets);
   const auto surface_positions = positions_of(model.grid, q.parameters);
   CsvTable surface("surface_points", q.weights.size());
   whole(surface, "span", surface_owner).numbers("position", units("length"), surface_positions, xyz);
@@ -212,16 +212,16 @@ void visit_tables(const TrimmedModel& model, const TableVisitor& visit) {
   });
   visit(surface);
 
-  CsvTable spans("spans", model.active.size());
-  whole(spans, "span", model.active).add("state", [&](std::size_t row) -> std::string {
-    const auto state = static_cast<SpanState>(model.state[static_cast<std::size_t>(model.active[row])]);
+  CsvTable spans("spans", model.cells.span.size());
+  whole(spans, "span", model.cells.span).add("state", [&](std::size_t row) -> std::string {
+    const auto state = static_cast<SpanState>(model.state[static_cast<std::size_t>(model.cells.span[row])]);
     return state == SpanState::Interior ? "interior" : "trimmed";
   });
-  spans.numbers("volume_fraction", "1", model.volume_fraction);
+  spans.numbers("volume_fraction", "1", model.cells.volume_fraction);
   visit(spans);
 
-  CsvTable functions("functions", model.active_functions.size());
-  whole(functions, "function", model.active_functions).numbers("mass_fraction", "1", model.mass_fraction);
+  CsvTable functions("functions", model.functions.number.size());
+  whole(functions, "function", model.functions.number).numbers("mass_fraction", "1", model.functions.mass_fraction);
   visit(functions);
 }
 

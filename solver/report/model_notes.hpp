@@ -16,8 +16,7 @@ namespace iga::solve {
 /// @param material  null where no density was given
 std::vector<std::string> model_warnings(const TrimmedModel& model, const ElasticMaterial* material);
 
-/// A warning where the surface has more bodies than the space has mechanically separate parts: functions that act on
-/// both sides of a narrow gap join them. Names the narrowest gap and the span size that would do.
+/// A warning where the surface has more bodies than the space has mechanically separate parts: bodies that touch.
 std::optional<std::string> joined_bodies_warning(const SolutionSpace& space);
 
 /// Each text with what it is about in front: "part.h5: …".

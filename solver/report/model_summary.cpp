@@ -8,9 +8,9 @@ ModelSummary summarise(const TrimmedModel& model) {
   ModelSummary s;
   s.points = static_cast<std::int64_t>(model.points.weights.size());
   Point3 first{}; // about the grid's first corner, where no digits are lost
-  for (std::size_t a = 0; a < model.active.size(); ++a) {
+  for (std::size_t a = 0; a < model.cells.span.size(); ++a) {
     const std::int64_t count = model.points.offsets[a + 1] - model.points.offsets[a];
-    if (static_cast<SpanState>(model.state[static_cast<std::size_t>(model.active[a])]) == SpanState::Interior) {
+    if (model.is_interior(a)) {
       ++s.interior;
       s.interior_points += count;
     } else {
@@ -26,7 +26,7 @@ ModelSummary summarise(const TrimmedModel& model) {
   Point3 centre{};
   for (std::size_t d = 0; d < 3; ++d) centre[d] = model.grid.A()[d] + first[d] / s.volume;
   s.centroid = model.grid.to_position(centre);
-  for (const double chi : model.mass_fraction) {
+  for (const double chi : model.functions.mass_fraction) {
     s.light_functions += chi < light_below;
     s.lightest = std::min(s.lightest, chi);
   }

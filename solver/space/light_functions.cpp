@@ -4,9 +4,9 @@
 #include "solver/space/span_advice.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <fmt/format.h>
+#include <numeric>
 #include <tbb/parallel_for.h>
 #include <unordered_map>
 
@@ -16,11 +16,6 @@ namespace {
 
 constexpr double lowest_threshold = 1e-9; // a part that has no good span above it is filled with fictitious material
 constexpr double fictitious_share = 1e-3; // its stiffness and mass, relative to the material's
-
-std::int64_t find(const std::vector<std::int64_t>& sorted, std::int64_t value) {
-  const auto it = std::lower_bound(sorted.begin(), sorted.end(), value);
-  return it != sorted.end() && *it == value ? it - sorted.begin() : -1;
-}
 
 // Coefficients of a polynomial on one span, carried over to a function elsewhere: the blossom of the polynomial at the
 // function's p inner knots, by de Boor's algorithm with one knot per level (Ramshaw 1989).
@@ -56,10 +51,10 @@ void linear_weights(const KnotVector& knots, std::int64_t span, std::int64_t fun
 
 class Planner {
  public:
-  Planner(const TrimmedModel& model, const std::vector<std::int64_t>& rows, const LightTreatment& treatment)
-      : model_(model), rows_(rows), remedy_(treatment.remedy), threshold_(treatment.threshold),
-        light_(model.active_functions.size()) {
-    for (std::size_t f = 0; f < light_.size(); ++f) light_[f] = model.mass_fraction[f] < threshold_;
+  Planner(const TrimmedModel& model, const LightTreatment& treatment)
+      : model_(model), remedy_(treatment.remedy), threshold_(treatment.threshold),
+        light_(model.functions.number.size()) {
+    for (std::size_t f = 0; f < light_.size(); ++f) light_[f] = model.functions.mass_fraction[f] < threshold_;
   }
 
   LightFunctionPlan plan() {
@@ -81,25 +76,39 @@ class Planner {
   }
 
  private:
-  template <class Visit> void for_functions(std::int64_t span, Visit visit) const {
-    const auto degree = model_.grid.degree();
-    const std::size_t count = static_cast<std::size_t>((degree[1] + 1) * (degree[2] + 1));
-    for (std::size_t r = 0; r < count; ++r)
-      for (std::int64_t a = 0; a <= degree[0]; ++a) visit(rows_[static_cast<std::size_t>(span) * count + r] + a);
+  template <class Visit> void for_functions(std::int64_t cell, Visit visit) const {
+    for (const std::int32_t f : model_.functions_of(static_cast<std::size_t>(cell))) visit(std::int64_t{f});
   }
 
   void find_neighbours() {
-    const std::size_t n = model_.active.size();
-    neighbours_.assign(6 * n, -1);
-    tbb::parallel_for(std::size_t{0}, n, [&](std::size_t a) {
-      const Index3 ijk = model_.grid.span_index(model_.active[a]), extent = model_.grid.spans();
-      for (std::size_t side = 0; side < 6; ++side) {
-        Index3 other = ijk;
-        other[side / 2] += side % 2 ? 1 : -1;
-        if (other[side / 2] < 0 || other[side / 2] >= extent[side / 2]) continue;
-        neighbours_[6 * a + side] = static_cast<std::int32_t>(find(model_.active, model_.grid.span_number(other)));
-      }
-    });
+    const auto& links = model_.links.cells;
+    first_neighbour_.assign(model_.num_cells() + 1, 0);
+    for (const std::int32_t cell : links) ++first_neighbour_[static_cast<std::size_t>(cell) + 1];
+    std::partial_sum(first_neighbour_.begin(), first_neighbour_.end(), first_neighbour_.begin());
+    neighbours_.resize(links.size());
+    std::vector<std::size_t> next(first_neighbour_.begin(), first_neighbour_.end() - 1);
+    for (std::size_t l = 0; l < links.size(); l += 2) {
+      neighbours_[next[static_cast<std::size_t>(links[l])]++] = links[l + 1];
+      neighbours_[next[static_cast<std::size_t>(links[l + 1])]++] = links[l];
+    }
+    first_cell_.assign(model_.functions.number.size() + 1, 0);
+    for (const std::int32_t f : model_.cells.functions) ++first_cell_[static_cast<std::size_t>(f) + 1];
+    std::partial_sum(first_cell_.begin(), first_cell_.end(), first_cell_.begin());
+    cells_.resize(model_.cells.functions.size());
+    next.assign(first_cell_.begin(), first_cell_.end() - 1);
+    for (std::size_t c = 0; c < model_.num_cells(); ++c)
+      for (const std::int32_t f : model_.functions_of(c))
+        cells_[next[static_cast<std::size_t>(f)]++] = static_cast<std::int32_t>(c);
+  }
+
+  std::span<const std::int32_t> neighbours(std::int32_t cell) const {
+    const auto c = static_cast<std::size_t>(cell);
+    return std::span(neighbours_).subspan(first_neighbour_[c], first_neighbour_[c + 1] - first_neighbour_[c]);
+  }
+  // Cells that see a function.
+  std::span<const std::int32_t> cells_of(std::int64_t function) const {
+    const auto f = static_cast<std::size_t>(function);
+    return std::span(cells_).subspan(first_cell_[f], first_cell_[f + 1] - first_cell_[f]);
   }
 
   bool is_good(std::int64_t span) const {
@@ -110,7 +119,7 @@ class Planner {
 
   // Good spans of each connected part; where a part has none, its threshold falls.
   void find_good_spans(std::vector<std::string>& warnings) {
-    const std::size_t n = model_.active.size();
+    const std::size_t n = model_.cells.span.size();
     good_.resize(n);
     for (std::size_t a = 0; a < n; ++a) good_[a] = is_good(static_cast<std::int64_t>(a));
     std::vector<char> seen(n);
@@ -119,13 +128,11 @@ class Planner {
       std::vector<std::int32_t> part{static_cast<std::int32_t>(seed)};
       seen[seed] = 1;
       for (std::size_t next = 0; next < part.size(); ++next)
-        for (std::size_t side = 0; side < 6; ++side) {
-          const std::int32_t b = neighbours_[6 * static_cast<std::size_t>(part[next]) + side];
-          if (b >= 0 && !seen[static_cast<std::size_t>(b)]) {
+        for (const std::int32_t b : neighbours(part[next]))
+          if (!seen[static_cast<std::size_t>(b)]) {
             seen[static_cast<std::size_t>(b)] = 1;
             part.push_back(b);
           }
-        }
       lower_threshold(part, warnings);
     }
   }
@@ -140,18 +147,18 @@ class Planner {
       threshold /= 10;
       for (const std::int32_t a : part)
         for_functions(a, [&](std::int64_t f) {
-          light_[static_cast<std::size_t>(f)] = model_.mass_fraction[static_cast<std::size_t>(f)] < threshold;
+          light_[static_cast<std::size_t>(f)] = model_.functions.mass_fraction[static_cast<std::size_t>(f)] < threshold;
         });
       for (const std::int32_t a : part) good_[static_cast<std::size_t>(a)] = is_good(a);
     }
     if (!any_good()) {
-      fictitious_.resize(model_.active.size());
+      fictitious_.resize(model_.cells.span.size());
       for (const std::int32_t a : part) {
         fictitious_[static_cast<std::size_t>(a)] = fictitious_share;
         for_functions(a, [&](std::int64_t f) { light_[static_cast<std::size_t>(f)] = 0; });
       }
     }
-    const Index3 ijk = model_.grid.span_index(model_.active[static_cast<std::size_t>(part.front())]);
+    const Index3 ijk = model_.grid.span_index(model_.cells.span[static_cast<std::size_t>(part.front())]);
     const Box3 box = model_.grid.span_box(ijk);
     const Point3 x = model_.grid.to_position(box.lower);
     warnings.push_back(fmt::format(
@@ -165,32 +172,19 @@ class Planner {
         span_advice(model_, {part.begin(), part.end()})));
   }
 
-  // Active spans in the support of a function.
-  std::vector<std::int32_t> support(std::int64_t f) const {
-    const Index3 i = model_.grid.function_index(model_.active_functions[static_cast<std::size_t>(f)]);
-    const Index3 extent = model_.grid.spans();
-    const auto p = model_.grid.degree();
-    std::vector<std::int32_t> spans;
-    for (std::int64_t w = std::max<std::int64_t>(i[2] - p[2], 0); w <= std::min(i[2], extent[2] - 1); ++w)
-      for (std::int64_t v = std::max<std::int64_t>(i[1] - p[1], 0); v <= std::min(i[1], extent[1] - 1); ++v)
-        for (std::int64_t u = std::max<std::int64_t>(i[0] - p[0], 0); u <= std::min(i[0], extent[0] - 1); ++u) {
-          const std::int64_t a = find(model_.active, model_.grid.span_number({u, v, w}));
-          if (a >= 0) spans.push_back(static_cast<std::int32_t>(a));
-        }
-    return spans;
-  }
-
-  // Breadth-first from the support through faces; a few rings beyond the first good span, where a nearer one may be.
+  // Breadth-first from the function's cells through links; a few rings beyond the first good span, where a nearer one
+  // may be.
   std::int32_t nearest_good_span(std::int64_t f) const {
-    const Index3 i = model_.grid.function_index(model_.active_functions[static_cast<std::size_t>(f)]);
+    const Index3 i = model_.grid.function_index(model_.functions.number[static_cast<std::size_t>(f)]);
     const auto p = model_.grid.degree();
     const auto distance = [&](std::int32_t a) { // squared and times four: whole numbers
-      const Index3 s = model_.grid.span_index(model_.active[static_cast<std::size_t>(a)]);
+      const Index3 s = model_.grid.span_index(model_.cells.span[static_cast<std::size_t>(a)]);
       std::int64_t sum = 0;
       for (std::size_t d = 0; d < 3; ++d) sum += (2 * (i[d] - s[d]) - p[d]) * (2 * (i[d] - s[d]) - p[d]);
       return sum;
     };
-    std::vector<std::int32_t> ring = support(f), next;
+    const auto own = cells_of(f);
+    std::vector<std::int32_t> ring(own.begin(), own.end()), next;
     std::unordered_map<std::int32_t, char> seen;
     for (const std::int32_t a : ring) seen[a] = 1;
     std::int32_t best = -1;
@@ -202,10 +196,8 @@ class Planner {
       if (best >= 0) rings_left = rings_left < 0 ? 2 : rings_left - 1;
       next.clear();
       for (const std::int32_t a : ring)
-        for (std::size_t side = 0; side < 6; ++side) {
-          const std::int32_t b = neighbours_[6 * static_cast<std::size_t>(a) + side];
-          if (b >= 0 && seen.emplace(b, 1).second) next.push_back(b);
-        }
+        for (const std::int32_t b : neighbours(a))
+          if (seen.emplace(b, 1).second) next.push_back(b);
       ring.swap(next);
     }
     return best;
@@ -213,11 +205,11 @@ class Planner {
 
   void follow(Slave& slave) const {
     const std::int32_t span = nearest_good_span(slave.function);
-    if (span < 0) // only where support and part differ: a support across two parts of which one has good spans
+    if (span < 0)
       throw NumericalError(
           fmt::format("light function {}: no good span is connected with its support", slave.function));
-    const Index3 i = model_.grid.function_index(model_.active_functions[static_cast<std::size_t>(slave.function)]);
-    const Index3 s = model_.grid.span_index(model_.active[static_cast<std::size_t>(span)]);
+    const Index3 i = model_.grid.function_index(model_.functions.number[static_cast<std::size_t>(slave.function)]);
+    const Index3 s = model_.grid.span_index(model_.cells.span[static_cast<std::size_t>(span)]);
     const auto p = model_.grid.degree();
     double weights[3][max_degree + 1];
     for (std::size_t d = 0; d < 3; ++d)
@@ -234,43 +226,21 @@ class Planner {
   }
 
   const TrimmedModel& model_;
-  const std::vector<std::int64_t>& rows_;
   LightFunctions remedy_;
   double threshold_;
   std::vector<char> light_, good_;
   std::vector<double> fictitious_;
-  std::vector<std::int32_t> neighbours_; // (num_active × 6), -1 where none is active
+  std::vector<std::size_t> first_neighbour_; // (num_cells + 1)
+  std::vector<std::int32_t> neighbours_;     // linked cells
+  std::vector<std::size_t> first_cell_;      // (n_f + 1)
+  std::vector<std::int32_t> cells_;          // that see each function
 };
 
 } // namespace
 
-std::vector<std::int64_t> function_rows(const TrimmedModel& model) {
-  const auto p = model.grid.degree();
-  const std::size_t count = static_cast<std::size_t>((p[1] + 1) * (p[2] + 1));
-  std::vector<std::int64_t> rows(model.active.size() * count);
-  std::atomic<std::int64_t> missing{-1};
-  tbb::parallel_for(std::size_t{0}, model.active.size(), [&](std::size_t a) {
-    const Index3 s = model.grid.span_index(model.active[a]);
-    std::size_t r = a * count;
-    for (std::int64_t c = 0; c <= p[2]; ++c)
-      for (std::int64_t b = 0; b <= p[1]; ++b, ++r) {
-        const std::int64_t first = model.grid.function_number({s[0], s[1] + b, s[2] + c});
-        rows[r] = find(model.active_functions, first);
-        const auto last = static_cast<std::size_t>(rows[r] + p[0]);
-        if (rows[r] < 0 || last >= model.active_functions.size() || model.active_functions[last] != first + p[0])
-          missing = model.active[a];
-      }
-  });
-  if (missing >= 0)
-    throw FormatError(
-        fmt::format("/functions/active: lacks a function of the active span {}; make the model again", missing.load()));
-  return rows;
-}
-
-LightFunctionPlan plan_light_functions(const TrimmedModel& model, const std::vector<std::int64_t>& rows,
-                                       const LightTreatment& treatment) {
+LightFunctionPlan plan_light_functions(const TrimmedModel& model, const LightTreatment& treatment) {
   if (treatment.remedy == LightFunctions::None) return {};
-  return Planner(model, rows, treatment).plan();
+  return Planner(model, treatment).plan();
 }
 
 } // namespace iga::solve

@@ -7,7 +7,7 @@
 
 namespace iga::solve {
 
-/// One light function as a combination of others; entries are positions in model.active_functions.
+/// One light function as a combination of others; entries are positions in model.functions.
 struct Slave {
   std::int64_t function = 0;
   std::vector<std::pair<std::int64_t, double>> masters; ///< ascending; empty: the coefficient is zero
@@ -15,19 +15,14 @@ struct Slave {
 
 struct LightFunctionPlan {
   std::vector<Slave> slaves;      ///< ascending function
-  std::vector<double> fictitious; ///< (num_active): SolutionSpace::fictitious_share; empty: nowhere
+  std::vector<double> fictitious; ///< (num_cells): SolutionSpace::fictitious_share; empty: nowhere
   std::vector<std::string> warnings;
 };
 
-/// Position in model.active_functions of the p_u + 1 functions (·, b, c) of each active span, b fastest: they lie one
-/// after the other. (num_active × (p_v + 1)(p_w + 1)) @throws FormatError where a span's function is not active
-std::vector<std::int64_t> function_rows(const TrimmedModel& model);
-
-/// Which functions are light and whom they follow. A good span is one without light functions; each light function
-/// follows the good span nearest to its centre (in index space, the lowest number on ties) that face-adjacent active
-/// spans connect with its support. Where a connected part has no good span the threshold falls by factors of 10 there,
-/// and where that finds none, its spans are filled with a little fictitious material.
-LightFunctionPlan plan_light_functions(const TrimmedModel& model, const std::vector<std::int64_t>& rows,
-                                       const LightTreatment& treatment);
+/// Which functions are light and whom they follow. A good cell is one without light functions; each light function
+/// follows the good cell nearest to its centre (in index space, the lowest number on ties) that links connect with the
+/// cells of the function: never one across a gap. Where a connected part has no good cell the threshold falls by
+/// factors of 10 there, and where that finds none, its cells are filled with a little fictitious material.
+LightFunctionPlan plan_light_functions(const TrimmedModel& model, const LightTreatment& treatment);
 
 } // namespace iga::solve

@@ -47,7 +47,7 @@ LocatedPoint locate(const TrimmedModel& model, const Point3& x, const std::strin
     }
   }
   const NearestSpan nearest = nearest_span(model, model.grid.to_parameter(x), {});
-  return {nearest.active, nearest.parameter, x, model.grid.to_position(nearest.parameter)};
+  return {nearest.cell, nearest.parameter, x, model.grid.to_position(nearest.parameter)};
 }
 
 } // namespace iga::solve

@@ -12,7 +12,7 @@ namespace iga::solve {
 constexpr double outside_allowance = 0.05;
 
 struct LocatedPoint {
-  std::int64_t span = 0; ///< active span
+  std::int64_t span = 0; ///< cell
   Point3 parameter{};    ///< in the closed span: the point's own, or the nearest one an active span owns
   Point3 asked{};        ///< length
   Point3 position{};     ///< length; position of the parameter

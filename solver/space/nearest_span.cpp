@@ -2,6 +2,7 @@
 
 #include "format/model/span_state.hpp"
 #include "format/model/vec3.hpp"
+#include "solver/space/cell_choice.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -36,13 +37,12 @@ class Search {
             consider({i, j, k});
       if (span_ >= 0 && distance_ <= static_cast<double>(r) - same_distance) return;
     }
-    for (const std::int64_t span : model_.active) consider(model_.grid.span_index(span));
+    for (const std::int64_t span : model_.cells.span) consider(model_.grid.span_index(span));
   }
 
   NearestSpan found(const Point3& u) const {
-    const auto at = std::lower_bound(model_.active.begin(), model_.active.end(), span_);
     const Box3 box = model_.grid.span_box(model_.grid.span_index(span_));
-    NearestSpan nearest{at - model_.active.begin(), distance_, u};
+    NearestSpan nearest{static_cast<std::int64_t>(choose_cell(model_, span_, u)), distance_, u};
     for (std::size_t d = 0; d < 3; ++d) nearest.parameter[d] = std::clamp(u[d], box.lower[d], box.upper[d]);
     return nearest;
   }

@@ -140,7 +140,7 @@ void evaluate(const SolutionSpace& space, std::int64_t a, std::span<const double
               SpanShapes& shapes) {
   assert(parameters.size() % 3 == 0);
   const SplineGrid& grid = space.model().grid;
-  const Index3 ijk = grid.span_index(space.model().active[static_cast<std::size_t>(a)]);
+  const Index3 ijk = grid.span_index(space.model().cells.span[static_cast<std::size_t>(a)]);
   thread_local Univariate U[3];
   for (std::size_t d = 0; d < 3; ++d) univariate_values(grid.knots(static_cast<int>(d)), ijk[d], parameters, d, U[d]);
   const Eigen::MatrixXd& extension = space.local_extension(a);

@@ -22,13 +22,12 @@ struct LocalSpace {
 
 SolutionSpace::SolutionSpace(const TrimmedModel& model, const LightTreatment& treatment)
     : model_(&model), treatment_(treatment) {
-  const std::vector<std::int64_t> rows = function_rows(model);
-  LightFunctionPlan plan = plan_light_functions(model, rows, treatment);
+  LightFunctionPlan plan = plan_light_functions(model, treatment);
   warnings_ = std::move(plan.warnings);
   fictitious_ = std::move(plan.fictitious);
   num_light_ = static_cast<std::int64_t>(plan.slaves.size());
 
-  const std::size_t num_functions = model.active_functions.size();
+  const std::size_t num_functions = model.functions.number.size();
   std::vector<std::int32_t> slave_of(num_functions, -1), node_of(num_functions, -1);
   for (std::size_t s = 0; s < plan.slaves.size(); ++s)
     slave_of[static_cast<std::size_t>(plan.slaves[s].function)] = static_cast<std::int32_t>(s);
@@ -54,18 +53,12 @@ SolutionSpace::SolutionSpace(const TrimmedModel& model, const LightTreatment& tr
   extension_.resize(static_cast<Eigen::Index>(num_functions), static_cast<Eigen::Index>(node_function_.size()));
   extension_.setFromTriplets(entries.begin(), entries.end());
 
-  const auto p = model.grid.degree();
-  const std::size_t row_count = static_cast<std::size_t>((p[1] + 1) * (p[2] + 1));
-  const std::size_t width = static_cast<std::size_t>(p[0]) + 1;
-  std::vector<LocalSpace> local(model.active.size());
+  std::vector<LocalSpace> local(model.num_cells());
   tbb::parallel_for(std::size_t{0}, local.size(), [&](std::size_t a) {
-    std::vector<std::int64_t> functions;
-    for (std::size_t r = 0; r < row_count; ++r)
-      for (std::size_t i = 0; i < width; ++i)
-        functions.push_back(rows[a * row_count + r] + static_cast<std::int64_t>(i));
+    const auto functions = model.functions_of(a);
     bool plain = true;
     auto& nodes = local[a].nodes;
-    for (const std::int64_t f : functions) {
+    for (const std::int32_t f : functions) {
       plain = plain && node_of[static_cast<std::size_t>(f)] >= 0;
       for (decltype(extension_)::InnerIterator it(extension_, static_cast<Eigen::Index>(f)); it; ++it)
         nodes.push_back(static_cast<std::int32_t>(it.col()));
@@ -133,8 +126,7 @@ void add_gauss_points(const SplineGrid& grid, std::int64_t span, double share, S
 
 bool replaces_points(const TrimmedModel& model, std::int64_t a, InteriorPoints interior) {
   return interior == InteriorPoints::Gauss && model.quadrature.interior_rule != "gauss" &&
-         static_cast<SpanState>(model.state[static_cast<std::size_t>(model.active[static_cast<std::size_t>(a)])]) ==
-             SpanState::Interior;
+         model.is_interior(static_cast<std::size_t>(a));
 }
 
 SpanPoints span_points(const SolutionSpace& space, std::int64_t a, SpanPointStorage& storage, InteriorPoints interior) {
@@ -149,7 +141,7 @@ SpanPoints span_points(const SolutionSpace& space, std::int64_t a, SpanPointStor
     storage.parameters.assign(parameters.begin(), parameters.end());
     storage.weights.assign(weights.begin(), weights.end());
   }
-  add_gauss_points(model.grid, model.active[static_cast<std::size_t>(a)], replace ? 1 + share : share, storage);
+  add_gauss_points(model.grid, model.cells.span[static_cast<std::size_t>(a)], replace ? 1 + share : share, storage);
   return {storage.parameters, storage.weights};
 }
 
@@ -161,7 +153,7 @@ Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> SolutionSpace::node_po
   Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> points(num_nodes(), 3);
   for (Eigen::Index n = 0; n < points.rows(); ++n) {
     const std::int64_t f =
-        model_->active_functions[static_cast<std::size_t>(node_function_[static_cast<std::size_t>(n)])];
+        model_->functions.number[static_cast<std::size_t>(node_function_[static_cast<std::size_t>(n)])];
     const Point3 x = model_->grid.control_point(model_->grid.function_index(f));
     points.row(n) << x[0], x[1], x[2];
   }

@@ -9,8 +9,8 @@
 
 namespace iga::solve {
 
-/// Spline space of vector fields u(x) = Σ N_i(x) c_i on the active spans of a model.
-/// A *node* is a function that carries unknowns; nodes are numbered 0 … num_nodes() - 1 in ascending function number;
+/// Spline space of vector fields u(x) = Σ N_i(x) c_i on the cells of a model.
+/// A *node* is a function that carries unknowns; nodes are numbered 0 … num_nodes() - 1 in the functions' order;
 /// component d of node i is unknown 3 i + d. Coefficients are vectors in the frame of the part.
 /// Under an extension the shape functions of a node are its own function plus the extrapolated share of the light ones:
 /// everything built on `evaluate` (matrices, loads, samples) is extended without knowing it.
@@ -23,29 +23,29 @@ class SolutionSpace {
   const LightTreatment& treatment() const { return treatment_; }
   std::int64_t num_nodes() const { return static_cast<std::int64_t>(node_function_.size()); }
   std::int64_t num_unknowns() const { return 3 * num_nodes(); }
-  std::int64_t num_spans() const { return static_cast<std::int64_t>(model_->active.size()); }
+  std::int64_t num_cells() const { return static_cast<std::int64_t>(model_->num_cells()); }
   std::int64_t num_light() const { return num_light_; }
   /// Are there slaves?
   bool is_extended() const { return extends(treatment_.remedy) && num_light_ > 0; }
-  /// Share of the material that fills the a-th span beside the part's own (finite-cell method): above 0 only in parts
-  /// so thin that none of their functions is well filled. Stiffness and mass both count it.
+  /// Share of the material that fills the a-th cell's span beside the part's own (finite-cell method): above 0 only in
+  /// parts so thin that none of their functions is well filled. Stiffness and mass both count it.
   double fictitious_share(std::int64_t a) const {
     return fictitious_.empty() ? 0 : fictitious_[static_cast<std::size_t>(a)];
   }
   /// What the user should know: thin parts, lowered thresholds, functions that found no master.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
-  /// Nodes whose shape functions do not vanish on the a-th active span, ascending.
+  /// Nodes whose shape functions do not vanish on the a-th cell, ascending.
   std::span<const std::int32_t> nodes(std::int64_t a) const {
     const auto first = static_cast<std::size_t>(offsets_[static_cast<std::size_t>(a)]);
     return {nodes_.data() + first, static_cast<std::size_t>(offsets_[static_cast<std::size_t>(a) + 1]) - first};
   }
-  /// Position of each node's function in model().active_functions; (num_nodes), ascending.
+  /// Position of each node's function in model().functions.number; (num_nodes), ascending.
   std::span<const std::int64_t> node_functions() const { return node_function_; }
   /// Greville point (length, the part's frame) of each node; a linear field has these coefficients:
   /// Σ N_i(x) (G g_i + c) = G x + c. (num_nodes × 3)
   Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> node_points() const;
-  /// Coefficients of all active functions from those of the nodes: (n_f × num_nodes); identity rows for nodes.
+  /// Coefficients of all functions from those of the nodes: (n_f × num_nodes); identity rows for nodes.
   const Eigen::SparseMatrix<double, Eigen::RowMajor>& extension() const { return extension_; }
   /// (num_unknowns) → (3 n_f), component fastest.
   Eigen::VectorXd expand(const Eigen::Ref<const Eigen::VectorXd>& unknowns) const;

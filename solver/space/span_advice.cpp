@@ -20,14 +20,14 @@ constexpr double flat = 1.5;       // a part no thicker than this many times its
 constexpr double many_spans = 1e6; // beyond this the advice names the number
 
 std::vector<std::int64_t> all_spans(const TrimmedModel& model) {
-  std::vector<std::int64_t> spans(model.active.size());
+  std::vector<std::int64_t> spans(model.cells.span.size());
   for (std::size_t a = 0; a < spans.size(); ++a) spans[a] = static_cast<std::int64_t>(a);
   return spans;
 }
 
 double volume_of(const TrimmedModel& model, const std::vector<std::int64_t>& spans) {
   double volume = 0;
-  for (const std::int64_t a : spans) volume += model.volume_fraction[static_cast<std::size_t>(a)];
+  for (const std::int64_t a : spans) volume += model.cells.volume_fraction[static_cast<std::size_t>(a)];
   return volume * model.grid.span_volume();
 }
 

@@ -10,7 +10,7 @@ namespace iga::solve {
 
 /// "its walls are about 0.1 thick, its spans measure …; igaprep --span-size … puts two spans across them"; empty where
 /// a wall holds two spans.
-/// @param spans  active spans of the part, positions in model.active; empty: all
+/// @param spans  active spans of the part, positions in model.cells.span; empty: all
 std::string span_advice(const TrimmedModel& model, const std::vector<std::int64_t>& spans = {});
 
 } // namespace iga::solve

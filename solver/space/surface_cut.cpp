@@ -1,8 +1,9 @@
-// Sutherland & Hodgman (1974), Reentrant polygon clipping: one plane after the other.
+// One plane after the other.
 #include "solver/space/surface_cut.hpp"
 
 #include "format/model/triangle_rule.hpp"
 #include "format/model/vec3.hpp"
+#include "solver/space/convex_clip.hpp"
 #include "solver/space/nearest_span.hpp"
 
 #include <algorithm>
@@ -15,23 +16,7 @@ namespace {
 // Pieces smaller than this share of their polygon are rounding of the cuts.
 constexpr double negligible_share = 1e-15;
 
-using Polygon = std::vector<Point3>;
-
-Point3 between(const Point3& a, const Point3& b, double t) {
-  return plus(a, times(minus(b, a), t));
-}
-
-// The part of a convex polygon where `height` is at most zero; heights are linear in the position.
-template <class Height> Polygon clip(const Polygon& in, Height height) {
-  Polygon out;
-  for (std::size_t a = 0; a < in.size(); ++a) {
-    const Point3 &p = in[a], &q = in[a + 1 == in.size() ? 0 : a + 1];
-    const double hp = height(p), hq = height(q);
-    if (hp <= 0) out.push_back(p);
-    if ((hp < 0 && hq > 0) || (hp > 0 && hq < 0)) out.push_back(between(p, q, hp / (hp - hq)));
-  }
-  return out;
-}
+using Polygon = ConvexPolygon;
 
 Point3 area_vector(const Polygon& polygon) {
   Point3 sum{};
@@ -52,8 +37,9 @@ template <class Use> void for_each_piece(const Polygon& polygon, std::size_t axe
   const double last = std::clamp(std::ceil((*high)[d]) - 1, first, last_span);
   if (first == last) return for_each_piece(polygon, d, spans, use);
   for (double c = first; c <= last; ++c) {
-    const Polygon above = c == first ? polygon : clip(polygon, [&](const Point3& x) { return c - x[d]; });
-    for_each_piece(c == last ? above : clip(above, [&](const Point3& x) { return x[d] - (c + 1); }), d, spans, use);
+    const Polygon above = c == first ? polygon : clip_convex(polygon, [&](const Point3& x) { return c - x[d]; });
+    for_each_piece(c == last ? above : clip_convex(above, [&](const Point3& x) { return x[d] - (c + 1); }), d, spans,
+                   use);
   }
 }
 
@@ -80,7 +66,7 @@ CutTriangle cut_triangle(const TriangleMesh& mesh, std::size_t triangle, const s
   }
   cut.part = crossing.empty() ? CutTriangle::Part::Whole : CutTriangle::Part::Some;
   for (const HalfSpace* side : crossing)
-    cut.polygon = clip(cut.polygon, [&](const Point3& x) {
+    cut.polygon = clip_convex(cut.polygon, [&](const Point3& x) {
       const double h = height(*side, x);
       return std::abs(h) <= snap ? 0 : h;
     });
@@ -109,8 +95,8 @@ void add_polygon_points(const TrimmedModel& model, const std::vector<Point3>& po
   for_each_piece(in_spans, 3, grid.spans(), [&](const Polygon& piece) {
     Point3 middle{};
     for (const Point3& xi : piece) middle = plus(middle, times(xi, 1.0 / static_cast<double>(piece.size())));
-    const std::int64_t active = nearest_span(model, parameter(middle), normal).active;
-    const Box3 box = grid.span_box(grid.span_index(model.active[static_cast<std::size_t>(active)]));
+    const std::int64_t cell = nearest_span(model, parameter(middle), normal).cell;
+    const Box3 box = grid.span_box(grid.span_index(model.cells.span[static_cast<std::size_t>(cell)]));
     for (std::size_t a = 1; a + 1 < piece.size(); ++a) {
       const Point3 corner[3]{parameter(piece[0]), parameter(piece[a]), parameter(piece[a + 1])};
       const double area = 0.5 * norm(cross(minus(corner[1], corner[0]), minus(corner[2], corner[0])));
@@ -119,7 +105,7 @@ void add_polygon_points(const TrimmedModel& model, const std::vector<Point3>& po
         Point3 u{};
         for (std::size_t c = 0; c < 3; ++c) u = plus(u, times(corner[c], q.barycentric[c]));
         for (std::size_t d = 0; d < 3; ++d) u[d] = std::clamp(u[d], box.lower[d], box.upper[d]);
-        points.push_back({active, u, area * q.weight});
+        points.push_back({cell, u, area * q.weight});
       }
     }
   });

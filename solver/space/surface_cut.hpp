@@ -25,11 +25,11 @@ struct CutTriangle {
 CutTriangle cut_triangle(const TriangleMesh& mesh, std::size_t triangle, const std::vector<HalfSpace>& half_spaces,
                          double snap);
 
-/// A quadrature point on the surface, with the span that owns it.
+/// A quadrature point on the surface, with the cell that owns it.
 struct SurfacePoint {
-  std::int64_t active = 0; ///< position in model.active
-  Point3 parameter{};      ///< knot space, inside the closed span
-  double weight = 0;       ///< area, length²
+  std::int64_t cell = 0;
+  Point3 parameter{}; ///< knot space, inside the closed span
+  double weight = 0;  ///< area, length²
 };
 
 /// Adds the points of a polygon on a triangle: it is cut at the span faces, and every piece gets points exact to three

@@ -167,19 +167,19 @@ SurfaceRegion choose_region(const TrimmedModel& model, const RegionChoice& choic
     for (const SurfacePoint& point : added) cut_points.push_back({point, normal});
   }
   std::stable_sort(cut_points.begin(), cut_points.end(),
-                   [](const CutPoint& a, const CutPoint& b) { return a.point.active < b.point.active; });
+                   [](const CutPoint& a, const CutPoint& b) { return a.point.cell < b.point.cell; });
 
   SurfaceRegion region;
   region.offsets = {0};
   Point3 first{};
   auto next = cut_points.begin();
-  for (std::size_t a = 0; a < model.active.size(); ++a) {
+  for (std::size_t a = 0; a < model.cells.span.size(); ++a) {
     const std::size_t before = region.weights.size();
     for (auto s = static_cast<std::size_t>(q.offsets[a]); s < static_cast<std::size_t>(q.offsets[a + 1]); ++s)
       if (whole[static_cast<std::size_t>(q.triangle[s])])
         add_point(region, {q.parameters[3 * s], q.parameters[3 * s + 1], q.parameters[3 * s + 2]}, q.weights[s],
                   {q.normals[3 * s], q.normals[3 * s + 1], q.normals[3 * s + 2]}, model.grid.A(), first);
-    for (; next != cut_points.end() && next->point.active == static_cast<std::int64_t>(a); ++next)
+    for (; next != cut_points.end() && next->point.cell == static_cast<std::int64_t>(a); ++next)
       add_point(region, next->point.parameter, next->point.weight, next->normal, model.grid.A(), first);
     if (region.weights.size() == before) continue;
     region.spans.push_back(static_cast<std::int64_t>(a));

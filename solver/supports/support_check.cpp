@@ -41,7 +41,7 @@ std::vector<Body> measure(const SolutionSpace& space, const Bodies& bodies) {
   const TrimmedModel& model = space.model();
   std::vector<Body> all(static_cast<std::size_t>(bodies.count));
   const auto each = [&](auto&& use) {
-    for (std::size_t a = 0; a < model.active.size(); ++a)
+    for (std::size_t a = 0; a < model.cells.span.size(); ++a)
       for (std::int64_t q = model.points.offsets[a]; q < model.points.offsets[a + 1]; ++q) {
         const auto i = static_cast<std::size_t>(q);
         const double* u = model.points.parameters.data() + 3 * i;

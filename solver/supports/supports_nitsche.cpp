@@ -125,7 +125,7 @@ class Patches {
       for (const int step : {-1, 1}) {
         Index3 ijk = index(a);
         ijk[d] += step;
-        const std::int64_t b = active_number(ijk);
+        const std::int64_t b = cell_near(a, ijk);
         if (b >= 0 && (best < 0 || fraction(b) > fraction(best))) best = b;
       }
     std::vector<std::int64_t> patch{a};
@@ -143,7 +143,7 @@ class Patches {
       for (int corner = 0; corner < 8; ++corner) {
         Index3 ijk = index(a);
         for (std::size_t d = 0; d < 3; ++d) ijk[d] += ((corner >> d) & 1) * (((octant >> d) & 1) ? 1 : -1);
-        const std::int64_t b = active_number(ijk);
+        const std::int64_t b = cell_near(a, ijk);
         if (b < 0) continue;
         patch.push_back(b);
         filled += fraction(b);
@@ -161,21 +161,36 @@ class Patches {
     for (std::int64_t k = -reach; k <= reach; ++k)
       for (std::int64_t j = -reach; j <= reach; ++j)
         for (std::int64_t i = -reach; i <= reach; ++i)
-          if (const std::int64_t b = active_number({centre[0] + i, centre[1] + j, centre[2] + k}); b >= 0)
+          if (const std::int64_t b = cell_near(a, {centre[0] + i, centre[1] + j, centre[2] + k}); b >= 0)
             patch.push_back(b);
     return patch;
   }
 
  private:
-  Index3 index(std::int64_t a) const { return model_.grid.span_index(model_.active[static_cast<std::size_t>(a)]); }
-  double fraction(std::int64_t a) const { return model_.volume_fraction[static_cast<std::size_t>(a)]; }
-  std::int64_t active_number(const Index3& ijk) const {
+  Index3 index(std::int64_t a) const { return model_.grid.span_index(model_.cells.span[static_cast<std::size_t>(a)]); }
+  double fraction(std::int64_t a) const { return model_.cells.volume_fraction[static_cast<std::size_t>(a)]; }
+  // Cell of a span that shares most functions with cell a, -1 where the span holds none.
+  std::int64_t cell_near(std::int64_t a, const Index3& ijk) const {
     const Index3 count = model_.grid.spans();
     for (std::size_t d = 0; d < 3; ++d)
       if (ijk[d] < 0 || ijk[d] >= count[d]) return -1;
     const std::int64_t number = model_.grid.span_number(ijk);
-    const auto found = std::lower_bound(model_.active.begin(), model_.active.end(), number);
-    return found != model_.active.end() && *found == number ? found - model_.active.begin() : -1;
+    if (number == model_.cells.span[static_cast<std::size_t>(a)]) return a;
+    const auto [first, last] = model_.cells_of(number);
+    if (first == last) return -1;
+    const auto own = model_.functions_of(static_cast<std::size_t>(a));
+    std::size_t best = first;
+    std::ptrdiff_t most = -1;
+    for (std::size_t c = first; c < last && last - first > 1; ++c) {
+      const auto shared = std::count_if(own.begin(), own.end(), [&](std::int32_t f) {
+        const auto other = model_.functions_of(c);
+        return std::binary_search(other.begin(), other.end(), f);
+      });
+      if (shared <= most) continue;
+      most = shared;
+      best = c;
+    }
+    return static_cast<std::int64_t>(best);
   }
   const TrimmedModel& model_;
 };

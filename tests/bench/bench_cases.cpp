@@ -52,12 +52,12 @@ TrimmedModel BenchCase::model(int degree) {
   model.grid = grid(degree);
   model.points = points(degree);
   prep::FunctionMass mass = prep::function_mass(model.grid, trimmed, model.points);
-  model.active_functions = std::move(mass.functions);
-  model.mass_fraction = std::move(mass.mass_fraction);
+  model.functions.number = std::move(mass.functions);
+  model.functions.mass_fraction = std::move(mass.mass_fraction);
   model.surface = prep::make_embedded_surface(model.grid, mesh(), trimmed);
   model.state = trimmed.state;
-  model.active = trimmed.active;
-  model.volume_fraction = trimmed.fraction;
+  model.cells.span = trimmed.active;
+  model.cells.volume_fraction = trimmed.fraction;
   return model;
 }
 

@@ -116,7 +116,7 @@ void run_model(const char* path, double seconds) {
     ExplicitBody body(model, {.name = "part", .light = {LightFunctions::Linear, 0.01}}, law);
     const SpanPlan& plan = body.forces().plan();
     const auto points = static_cast<double>(plan.num_points);
-    std::vector<double> u(3 * model.active_functions.size());
+    std::vector<double> u(3 * model.functions.number.size());
     for (std::size_t k = 0; k < u.size(); ++k) u[k] = 0.01 * h[0] * std::sin(1.3 * static_cast<double>(k));
     const Rate one = measure(body.forces(), u, 1, seconds);
     const double before = cpu_seconds();
@@ -145,7 +145,7 @@ void run_model(const char* path, double seconds) {
         path, name, points, share(plan.num_tensor_points), share(plan.num_lane_points),
         share(plan.num_points - plan.num_tensor_points - plan.num_lane_points),
         100 * points / static_cast<double>(lanes) / static_cast<double>(plan.num_point_blocks()),
-        model.active_functions.size(), 1e-6 * one.by_cpu, static_cast<double>(body.forces().memory()) / points, best,
+        model.functions.number.size(), 1e-6 * one.by_cpu, static_cast<double>(body.forces().memory()) / points, best,
         one.by_cpu / points, limit.products, start);
   }
 }
@@ -159,7 +159,7 @@ void run(std::int64_t n, double seconds) {
     for (const int p : {2, 3}) {
       const TrimmedModel model = make_model(trimmed, p, trimmed ? 3 * n : n);
       const SolutionSpace space(model, {});
-      std::vector<double> u(3 * model.active_functions.size());
+      std::vector<double> u(3 * model.functions.number.size());
       for (std::size_t k = 0; k < u.size(); ++k) u[k] = 0.01 * std::sin(1.3 * static_cast<double>(k));
       const std::pair<const char*, Law> laws[]{{"elastic", LinearElastic(isotropic(1, 0.3, 1))},
                                                {"neo-Hookean", neo_hookean(1, 0.3, 1)},

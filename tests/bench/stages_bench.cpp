@@ -20,10 +20,10 @@ template <class T> std::int64_t bytes(const std::vector<T>& values) {
 // What the file holds of arrays, before compression.
 std::int64_t array_bytes(const TrimmedModel& m) {
   const SurfacePoints& s = m.surface.quadrature;
-  return bytes(m.state) + bytes(m.active) + bytes(m.volume_fraction) + bytes(m.points.offsets) +
-         bytes(m.points.parameters) + bytes(m.points.weights) + bytes(m.points.residual) + bytes(m.active_functions) +
-         bytes(m.mass_fraction) + bytes(s.offsets) + bytes(s.parameters) + bytes(s.weights) + bytes(s.normals) +
-         bytes(s.triangle) + 24 * m.grid.num_functions();
+  return bytes(m.state) + bytes(m.cells.span) + bytes(m.cells.volume_fraction) + bytes(m.points.offsets) +
+         bytes(m.points.parameters) + bytes(m.points.weights) + bytes(m.points.residual) + bytes(m.functions.number) +
+         bytes(m.functions.mass_fraction) + bytes(s.offsets) + bytes(s.parameters) + bytes(s.weights) +
+         bytes(s.normals) + bytes(s.triangle) + 24 * m.grid.num_functions();
 }
 
 } // namespace

@@ -38,7 +38,7 @@ double overlap(const TrimmedModel& model, const SolutionSpace& space, const Eige
                const std::function<Point3(const Point3&)>& field) {
   double sum = 0;
   SpanShapes shapes;
-  for (std::int64_t a = 0; a < space.num_spans(); ++a) {
+  for (std::int64_t a = 0; a < space.num_cells(); ++a) {
     const auto u = span_parameters(model, a), w = span_weights(model, a);
     evaluate(space, a, u, Shapes::Values, shapes);
     const auto nodes = space.nodes(a);

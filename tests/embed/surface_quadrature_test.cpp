@@ -53,9 +53,9 @@ double expect_sound(const SplineGrid& grid, const TriangleMesh& mesh, const Trim
   for (std::size_t a = 0; a < active.size(); ++a)
     for (auto p = q.offsets[a]; p < q.offsets[a + 1]; ++p)
       misplaced += outside(active[a], &q.parameters[3 * static_cast<std::size_t>(p)]);
-  for (std::size_t v = 0; v < s.vertex_span.size(); ++v) {
-    misplaced += !std::binary_search(active.begin(), active.end(), s.vertex_span[v]);
-    misplaced += outside(s.vertex_span[v], &s.vertex_parameters[3 * v]);
+  for (std::size_t v = 0; v < s.vertex_cell.size(); ++v) {
+    misplaced += !std::binary_search(active.begin(), active.end(), s.vertex_cell[v]);
+    misplaced += outside(s.vertex_cell[v], &s.vertex_parameters[3 * v]);
   }
   EXPECT_EQ(misplaced, 0);
 
@@ -196,7 +196,7 @@ TEST(SurfaceOwner, DependsNeitherOnScaleNorOnPlace) {
       const Trimming trimming = trim(moved_grid, moved, {});
       const EmbeddedSurface s = make_embedded_surface(moved_grid, moved, trimming);
       EXPECT_NEAR(expect_sound(moved_grid, moved, trimming, s), 0, 1e-10); // 1e4 sizes away leave 12 digits of position
-      EXPECT_EQ(s.vertex_span, reference.vertex_span);
+      EXPECT_EQ(s.vertex_cell, reference.vertex_cell);
       EXPECT_EQ(s.quadrature.offsets, reference.quadrature.offsets);
     }
 }
@@ -211,7 +211,7 @@ TEST(SurfaceQuadratureParallel, DoesNotDependOnTheNumberOfThreads) {
   EXPECT_EQ(many.quadrature.parameters, single.quadrature.parameters);
   EXPECT_EQ(many.quadrature.weights, single.quadrature.weights);
   EXPECT_EQ(many.quadrature.triangle, single.quadrature.triangle);
-  EXPECT_EQ(many.vertex_span, single.vertex_span);
+  EXPECT_EQ(many.vertex_cell, single.vertex_cell);
 }
 
 TEST(SurfaceQuadratureParts, HoldsForSharedParts) {

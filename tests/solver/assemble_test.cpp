@@ -105,7 +105,7 @@ TEST(Assembly, EveryEntryIsTheIntegralOfItsTwoFunctions) {
   const auto connectivity = std::make_shared<const Connectivity>(space);
   Eigen::MatrixXd reference = Eigen::MatrixXd::Zero(space.num_unknowns(), space.num_unknowns());
   SpanShapes shapes;
-  for (std::int64_t a = 0; a < space.num_spans(); ++a) {
+  for (std::int64_t a = 0; a < space.num_cells(); ++a) {
     evaluate(space, a, span_parameters(model, a), Shapes::Gradients, shapes);
     const auto nodes = space.nodes(a);
     const auto w = span_weights(model, a);

@@ -41,19 +41,19 @@ inline BoxCase box_in_grid(const Point3& size, const Index3& spans, int degree, 
 inline TrimmedModel make_two_boxes() {
   TrimmedModel long_box = make_box_model(box_in_grid({8, 1, 1}, {16, 2, 2}, 2)), model = long_box;
   const auto keep = [&](const Index3& span) { return span[0] < 4 || span[0] >= 16; };
-  model.active.clear();
-  model.volume_fraction.clear();
+  model.cells.span.clear();
+  model.cells.volume_fraction.clear();
   model.points = {};
   model.points.offsets = {0};
   std::vector<bool> used(static_cast<std::size_t>(long_box.grid.num_functions()), false);
-  for (std::size_t a = 0; a < long_box.active.size(); ++a) {
-    const Index3 span = long_box.grid.span_index(long_box.active[a]);
+  for (std::size_t a = 0; a < long_box.cells.span.size(); ++a) {
+    const Index3 span = long_box.grid.span_index(long_box.cells.span[a]);
     if (!keep(span)) {
-      model.state[static_cast<std::size_t>(long_box.active[a])] = 0;
+      model.state[static_cast<std::size_t>(long_box.cells.span[a])] = 0;
       continue;
     }
-    model.active.push_back(long_box.active[a]);
-    model.volume_fraction.push_back(long_box.volume_fraction[a]);
+    model.cells.span.push_back(long_box.cells.span[a]);
+    model.cells.volume_fraction.push_back(long_box.cells.volume_fraction[a]);
     for (auto q = long_box.points.offsets[a]; q < long_box.points.offsets[a + 1]; ++q) {
       const double* u = &long_box.points.parameters[3 * static_cast<std::size_t>(q)];
       model.points.parameters.insert(model.points.parameters.end(), u, u + 3);
@@ -65,13 +65,13 @@ inline TrimmedModel make_two_boxes() {
         for (std::int64_t i = 0; i < 3; ++i)
           used[static_cast<std::size_t>(long_box.grid.function_number({span[0] + i, span[1] + j, span[2] + k}))] = true;
   }
-  model.points.residual.assign(model.active.size(), 0);
-  model.active_functions.clear();
-  model.mass_fraction.clear();
+  model.points.residual.assign(model.cells.span.size(), 0);
+  model.functions.number.clear();
+  model.functions.mass_fraction.clear();
   for (std::size_t f = 0; f < used.size(); ++f)
     if (used[f]) {
-      model.active_functions.push_back(static_cast<std::int64_t>(f));
-      model.mass_fraction.push_back(1);
+      model.functions.number.push_back(static_cast<std::int64_t>(f));
+      model.functions.mass_fraction.push_back(1);
     }
   return model;
 }

@@ -54,8 +54,8 @@ template <class Matrix> double difference(const Matrix& A, const Matrix& B) {
 
 std::int64_t interior_points(const TrimmedModel& model) {
   std::int64_t points = 0;
-  for (std::size_t a = 0; a < model.active.size(); ++a)
-    if (static_cast<SpanState>(model.state[static_cast<std::size_t>(model.active[a])]) == SpanState::Interior)
+  for (std::size_t a = 0; a < model.cells.span.size(); ++a)
+    if (static_cast<SpanState>(model.state[static_cast<std::size_t>(model.cells.span[a])]) == SpanState::Interior)
       points += model.points.offsets[a + 1] - model.points.offsets[a];
   return points;
 }

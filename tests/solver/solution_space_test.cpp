@@ -35,8 +35,8 @@ TEST_P(SolutionSpaceDegrees, PlainShapeFunctionsAreTheBsplinesOfTheGrid) {
       test::make_box_model({{0, 0, 0}, {4, 4, 4}, {4, 4, 4}, {p, p, p}, identity_rotation, {0, 0, 0}, {4, 4, 3.5}});
   const SolutionSpace space(model, {});
   SpanShapes shapes;
-  for (std::int64_t a = 0; a < space.num_spans(); ++a) {
-    const Index3 ijk = model.grid.span_index(model.active[static_cast<std::size_t>(a)]);
+  for (std::int64_t a = 0; a < space.num_cells(); ++a) {
+    const Index3 ijk = model.grid.span_index(model.cells.span[static_cast<std::size_t>(a)]);
     const auto u = span_parameters(model, a);
     evaluate(space, a, u, Shapes::Both, shapes);
     const std::size_t n = static_cast<std::size_t>(p) + 1;
@@ -68,7 +68,7 @@ TEST_P(SolutionSpaceDegrees, ExtensionsReproduceLinearFieldsEverywhere) {
     EXPECT_EQ(space.num_light() > 0, remedy != LightFunctions::None);
     const auto points = space.node_points();
     SpanShapes shapes;
-    for (std::int64_t a = 0; a < space.num_spans(); ++a) {
+    for (std::int64_t a = 0; a < space.num_cells(); ++a) {
       const auto u = span_parameters(model, a);
       evaluate(space, a, u, Shapes::Both, shapes);
       const auto nodes = space.nodes(a);
@@ -96,7 +96,7 @@ TEST_P(SolutionSpaceDegrees, DegreePExtensionReproducesPolynomialsOfTheDegree) {
   ASSERT_GT(space.num_light(), 0);
   // coefficient of (u v)^p: the blossom, a product of the inner knots of the function
   const auto coefficient = [&](std::int64_t f) {
-    const Index3 i = model.grid.function_index(model.active_functions[static_cast<std::size_t>(f)]);
+    const Index3 i = model.grid.function_index(model.functions.number[static_cast<std::size_t>(f)]);
     double product = 1;
     for (std::size_t d = 0; d < 2; ++d)
       for (std::int64_t k = 1; k <= p; ++k)
@@ -117,8 +117,8 @@ TEST(SolutionSpace, RemovedFunctionsAreGoneFromEverySpan) {
   const SolutionSpace all(model, {}), space(model, {LightFunctions::Remove, 0.03});
   EXPECT_EQ(all.num_nodes(), space.num_nodes() + space.num_light());
   const Eigen::VectorXd expanded = space.expand(Eigen::VectorXd::Ones(space.num_unknowns()));
-  for (std::size_t f = 0; f < model.active_functions.size(); ++f)
-    EXPECT_EQ(expanded[3 * static_cast<Eigen::Index>(f)], model.mass_fraction[f] < 0.03 ? 0.0 : 1.0);
+  for (std::size_t f = 0; f < model.functions.number.size(); ++f)
+    EXPECT_EQ(expanded[3 * static_cast<Eigen::Index>(f)], model.functions.mass_fraction[f] < 0.03 ? 0.0 : 1.0);
 }
 
 TEST(SolutionSpace, ThinPartLowersItsThresholdAndSaysSo) {

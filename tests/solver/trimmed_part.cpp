@@ -22,12 +22,12 @@ TrimmedModel make_part(const TriangleMesh& mesh, const SplineGrid& grid, int mom
   model.points = std::move(quadrature.points);
   model.quadrature.max_residual = quadrature.max_residual;
   prep::FunctionMass mass = prep::function_mass(grid, trimming, model.points);
-  model.active_functions = std::move(mass.functions);
-  model.mass_fraction = std::move(mass.mass_fraction);
+  model.functions.number = std::move(mass.functions);
+  model.functions.mass_fraction = std::move(mass.mass_fraction);
   model.surface = prep::make_embedded_surface(grid, mesh, trimming);
   model.state = std::move(trimming.state);
-  model.active = std::move(trimming.active);
-  model.volume_fraction = std::move(trimming.fraction);
+  model.cells.span = std::move(trimming.active);
+  model.cells.volume_fraction = std::move(trimming.fraction);
   return model;
 }
 

@@ -42,8 +42,8 @@ void add_volume(TrimmedModel& m, const Pieces& pieces) {
         const double volume = (u.upper - u.lower) * (v.upper - v.lower) * (w.upper - w.lower);
         m.state[static_cast<std::size_t>(number)] =
             static_cast<std::uint8_t>(u.full && v.full && w.full ? SpanState::Interior : SpanState::Trimmed);
-        m.active.push_back(number);
-        m.volume_fraction.push_back(u.full && v.full && w.full ? 1 : volume / m.grid.span_volume());
+        m.cells.span.push_back(number);
+        m.cells.volume_fraction.push_back(u.full && v.full && w.full ? 1 : volume / m.grid.span_volume());
         for (const auto& [c, wc] : rule[2])
           for (const auto& [b, wb] : rule[1])
             for (const auto& [a, wa] : rule[0]) {
@@ -54,7 +54,7 @@ void add_volume(TrimmedModel& m, const Pieces& pieces) {
             }
         m.points.offsets.push_back(static_cast<std::int64_t>(m.points.weights.size()));
       }
-  m.points.residual.assign(m.active.size(), 0);
+  m.points.residual.assign(m.cells.span.size(), 0);
 }
 
 void add_functions(TrimmedModel& m) {
@@ -69,8 +69,8 @@ void add_functions(TrimmedModel& m) {
               factor * N[0][static_cast<std::size_t>(a)] * N[1][static_cast<std::size_t>(b)] *
               N[2][static_cast<std::size_t>(c)];
   };
-  for (std::size_t a = 0; a < m.active.size(); ++a) {
-    const Index3 e = m.grid.span_index(m.active[a]);
+  for (std::size_t a = 0; a < m.cells.span.size(); ++a) {
+    const Index3 e = m.grid.span_index(m.cells.span[a]);
     for (auto q = m.points.offsets[a]; q < m.points.offsets[a + 1]; ++q) {
       for (std::size_t d = 0; d < 3; ++d)
         evaluate_basis(m.grid.knots(static_cast<int>(d)), e[d],
@@ -88,8 +88,8 @@ void add_functions(TrimmedModel& m) {
   }
   for (std::size_t i = 0; i < mass.size(); ++i)
     if (mass[i] > 0) {
-      m.active_functions.push_back(static_cast<std::int64_t>(i));
-      m.mass_fraction.push_back(mass[i] / whole[i]);
+      m.functions.number.push_back(static_cast<std::int64_t>(i));
+      m.functions.mass_fraction.push_back(mass[i] / whole[i]);
     }
 }
 
@@ -107,7 +107,7 @@ void add_surface(TrimmedModel& m, const BoxCase& box, const Pieces& pieces) {
     }
     s.mesh.vertices.push_back(m.grid.to_position(u));
     s.vertex_parameters.insert(s.vertex_parameters.end(), u.begin(), u.end());
-    s.vertex_span.push_back(m.grid.span_number(owner));
+    s.vertex_cell.push_back(m.grid.span_number(owner));
   }
   const char* names[]{"u-", "u+", "v-", "v+", "w-", "w+"};
   struct FacePoint {
@@ -158,7 +158,7 @@ void add_surface(TrimmedModel& m, const BoxCase& box, const Pieces& pieces) {
   auto& q = s.quadrature;
   q.offsets = {0};
   std::size_t next = 0;
-  for (const std::int64_t span : m.active) {
+  for (const std::int64_t span : m.cells.span) {
     for (; next < points.size() && points[next].span == span; ++next) {
       q.parameters.insert(q.parameters.end(), points[next].u.begin(), points[next].u.end());
       q.normals.insert(q.normals.end(), points[next].n.begin(), points[next].n.end());

@@ -27,7 +27,7 @@ Point3 greville_position(const TrimmedModel& model, std::int64_t function) {
 
 void append_coefficients(std::vector<double>& values, const TrimmedModel& model, int step) {
   const LinearField field(step);
-  for (const std::int64_t function : model.active_functions)
+  for (const std::int64_t function : model.functions.number)
     append(values, field.at(greville_position(model, function)));
 }
 
@@ -41,13 +41,13 @@ Results with_header(const TrimmedModel& model, const char* analysis) {
   h.model_sha256 = std::string(64, 'd');
   h.light_functions = "linear";
   h.light_threshold = 0.05;
-  h.unknowns = static_cast<std::int64_t>(3 * model.active_functions.size());
+  h.unknowns = static_cast<std::int64_t>(3 * model.functions.number.size());
   h.density = 7.8e-6;
   const auto C = counted(36, 200);
   std::copy(C.begin(), C.end(), h.stiffness.begin());
   h.provenance = model.provenance;
   h.provenance.producer = "igasolve";
-  r.active_functions = model.active_functions;
+  r.active_functions = model.functions.number;
   return r;
 }
 
@@ -121,7 +121,7 @@ Point3 LinearField::at(const Point3& x) const {
 
 SurfaceResult make_surface_result(const TrimmedModel& model, int num_steps) {
   SurfaceResult s;
-  s.output = {model.surface.mesh, model.surface.vertex_parameters, model.surface.vertex_span};
+  s.output = {model.surface.mesh, model.surface.vertex_parameters, model.surface.vertex_cell};
   for (int step = 0; step < num_steps; ++step) {
     const LinearField field(step);
     s.steps.push_back(step + 1);

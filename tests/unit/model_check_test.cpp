@@ -59,17 +59,18 @@ const Fault faults[]{
     {"ShortState", [](auto& m) { m.state.pop_back(); }, "spans/state has"},
     {"ShortOffsets", [](auto& m) { m.points.offsets.pop_back(); }, "quadrature/offsets has"},
     {"LongParameters", [](auto& m) { m.points.parameters.push_back(1); }, "quadrature/parameters has"},
-    {"ShortFraction", [](auto& m) { m.volume_fraction.pop_back(); }, "spans/volume_fraction has"},
-    {"ShortMass", [](auto& m) { m.mass_fraction.pop_back(); }, "functions/mass_fraction has"},
+    {"ShortFraction", [](auto& m) { m.cells.volume_fraction.pop_back(); }, "spans/volume_fraction has"},
+    {"ShortMass", [](auto& m) { m.functions.mass_fraction.pop_back(); }, "functions/mass_fraction has"},
     {"ShortNormals", [](auto& m) { m.surface.quadrature.normals.pop_back(); }, "surface/quadrature/normals has"},
     {"ShortRegion", [](auto& m) { m.surface.mesh.region.pop_back(); }, "surface/region has"},
-    {"UnknownState", [](auto& m) { m.state[static_cast<std::size_t>(m.active[0])] = 3; }, "state 3"},
-    {"ActiveThatIsExterior", [](auto& m) { m.state[static_cast<std::size_t>(m.active[3])] = 0; }, "spans/active"},
-    {"UnsortedActive", [](auto& m) { std::swap(m.active[0], m.active[1]); }, "spans/active"},
+    {"UnknownState", [](auto& m) { m.state[static_cast<std::size_t>(m.cells.span[0])] = 3; }, "state 3"},
+    {"ActiveThatIsExterior", [](auto& m) { m.state[static_cast<std::size_t>(m.cells.span[3])] = 0; }, "spans/active"},
+    {"UnsortedActive", [](auto& m) { std::swap(m.cells.span[0], m.cells.span[1]); }, "spans/active"},
     {"ExteriorThatIsActive", [](auto& m) { m.state[0] = 2; }, "spans/active"},
-    {"InteriorCalledTrimmedNeedsItsVolume", [](auto& m) { m.volume_fraction[0] *= 0.5; }, "volume of a trimmed span"},
-    {"FractionAboveOne", [](auto& m) { m.volume_fraction[0] = 1.1; }, "fraction 1.1"},
-    {"FractionNaN", [](auto& m) { m.volume_fraction[0] = nan; }, "fraction nan"},
+    {"InteriorCalledTrimmedNeedsItsVolume", [](auto& m) { m.cells.volume_fraction[0] *= 0.5; },
+     "volume of a trimmed span"},
+    {"FractionAboveOne", [](auto& m) { m.cells.volume_fraction[0] = 1.1; }, "fraction 1.1"},
+    {"FractionNaN", [](auto& m) { m.cells.volume_fraction[0] = nan; }, "fraction nan"},
     {"FallingOffsets", [](auto& m) { m.points.offsets[1] = 1000; }, "falls"},
     {"SpanWithoutPoints", [](auto& m) { m.points.offsets[1] = 0; }, "owns no point"},
     {"PointOutsideItsSpan", [](auto& m) { m.points.parameters[1] += 1; }, "outside its span"},
@@ -81,14 +82,15 @@ const Fault faults[]{
     {"ResidualAboveTolerance", [](auto& m) { m.points.residual[0] = 1e-9; }, "residual 1e-09"},
     {"ResidualNotTheLargest", [](auto& m) { m.quadrature.max_residual = 1e-11; }, "max_residual"},
     {"UnknownRule", [](auto& m) { m.quadrature.interior_rule = "simpson"; }, "interior_rule is 'simpson'"},
-    {"MissingFunction", [](auto& m) { m.active_functions.pop_back(), m.mass_fraction.pop_back(); }, "functions/active"},
-    {"ExtraFunction", [](auto& m) { m.active_functions.push_back(335), m.mass_fraction.push_back(1); },
+    {"MissingFunction", [](auto& m) { m.functions.number.pop_back(), m.functions.mass_fraction.pop_back(); },
      "functions/active"},
-    {"MassFractionZero", [](auto& m) { m.mass_fraction[0] = 0; }, "mass fraction 0"},
-    {"MassFractionAboveOne", [](auto& m) { m.mass_fraction[0] = 1.01; }, "mass fraction 1.01"},
-    {"MassFractionOff", [](auto& m) { m.mass_fraction[60] *= 1.001; }, "Σ mass fraction"},
-    {"VertexInExteriorSpan", [](auto& m) { m.surface.vertex_span[0] = 0; }, "not active"},
-    {"VertexSpanNegative", [](auto& m) { m.surface.vertex_span[0] = -5; }, "not active"},
+    {"ExtraFunction", [](auto& m) { m.functions.number.push_back(335), m.functions.mass_fraction.push_back(1); },
+     "functions/active"},
+    {"MassFractionZero", [](auto& m) { m.functions.mass_fraction[0] = 0; }, "mass fraction 0"},
+    {"MassFractionAboveOne", [](auto& m) { m.functions.mass_fraction[0] = 1.01; }, "mass fraction 1.01"},
+    {"MassFractionOff", [](auto& m) { m.functions.mass_fraction[60] *= 1.001; }, "Σ mass fraction"},
+    {"VertexInExteriorSpan", [](auto& m) { m.surface.vertex_cell[0] = 0; }, "not active"},
+    {"VertexSpanNegative", [](auto& m) { m.surface.vertex_cell[0] = -5; }, "not active"},
     {"VertexOutsideItsSpan", [](auto& m) { m.surface.vertex_parameters[0] -= 0.5; }, "surface/vertex_parameters"},
     {"VertexNaN", [](auto& m) { m.surface.mesh.vertices[0][0] = nan; }, "vertex 0 is not finite"},
     {"TriangleOutOfRange", [](auto& m) { m.surface.mesh.triangles[1][2] = 8; }, "names vertex 8"},
@@ -128,8 +130,8 @@ TEST(ModelCheck, InteriorSpansMayOwnNoPointUnderGeneralisedRules) {
   TrimmedModel m = make_box_model();
   m.quadrature.interior_rule = "ggq";
   std::size_t interior = 0;
-  while (m.state[static_cast<std::size_t>(m.active[interior])] != 1) ++interior;
-  ASSERT_EQ(m.state[static_cast<std::size_t>(m.active[interior + 1])], 1);
+  while (m.state[static_cast<std::size_t>(m.cells.span[interior])] != 1) ++interior;
+  ASSERT_EQ(m.state[static_cast<std::size_t>(m.cells.span[interior + 1])], 1);
   const auto first = static_cast<std::size_t>(m.points.offsets[interior]),
              last = static_cast<std::size_t>(m.points.offsets[interior + 1]);
   for (std::size_t q = first; q < last; ++q) m.points.weights[q] *= 2;

@@ -10,24 +10,20 @@ namespace iga::solve {
 
 namespace {
 
-/// Vertices that the a-th span owns, span by span.
+/// Vertices that each cell owns, cell by cell.
 struct Owned {
   std::vector<std::size_t> vertex, first;
 };
 
-Owned group_by_span(const OutputMesh& output, std::size_t num_active, const std::vector<std::int64_t>& active) {
+Owned group_by_cell(const OutputMesh& output, std::size_t num_cells) {
   Owned owned;
-  owned.vertex.resize(output.span.size());
+  owned.vertex.resize(output.cell.size());
   std::iota(owned.vertex.begin(), owned.vertex.end(), std::size_t{0});
   std::stable_sort(owned.vertex.begin(), owned.vertex.end(),
-                   [&](std::size_t a, std::size_t b) { return output.span[a] < output.span[b]; });
-  owned.first.assign(num_active + 1, 0);
-  std::size_t at = 0;
-  for (std::size_t a = 0; a < num_active; ++a) {
-    owned.first[a] = at;
-    while (at < owned.vertex.size() && output.span[owned.vertex[at]] == active[a]) ++at;
-  }
-  owned.first[num_active] = at;
+                   [&](std::size_t a, std::size_t b) { return output.cell[a] < output.cell[b]; });
+  owned.first.assign(num_cells + 1, 0);
+  for (const std::int64_t cell : output.cell) ++owned.first[static_cast<std::size_t>(cell) + 1];
+  std::partial_sum(owned.first.begin(), owned.first.end(), owned.first.begin());
   return owned;
 }
 
@@ -42,9 +38,9 @@ ContactSurface make_contact_surface(const SolutionSpace& space, const std::strin
   surface.density = density;
   surface.span_size = std::min({h[0], h[1], h[2]});
   OutputMesh output = refine_surface(model, longest > 0 ? longest : 0.5 * surface.span_size);
-  const Owned owned = group_by_span(output, model.active.size(), model.active);
-  std::vector<std::vector<Eigen::Triplet<double>>> rows(model.active.size());
-  tbb::parallel_for(std::size_t{0}, model.active.size(), [&](std::size_t a) {
+  const Owned owned = group_by_cell(output, model.num_cells());
+  std::vector<std::vector<Eigen::Triplet<double>>> rows(model.num_cells());
+  tbb::parallel_for(std::size_t{0}, model.num_cells(), [&](std::size_t a) {
     const std::size_t n = owned.first[a + 1] - owned.first[a];
     if (n == 0) return;
     std::vector<double> parameters;
@@ -53,9 +49,9 @@ ContactSurface make_contact_surface(const SolutionSpace& space, const std::strin
       parameters.insert(parameters.end(), u, u + 3);
     }
     SpanShapes shapes;
-    const auto span = static_cast<std::int64_t>(a);
-    evaluate(space, span, parameters, Shapes::Values, shapes);
-    const auto nodes = space.nodes(span);
+    const auto cell = static_cast<std::int64_t>(a);
+    evaluate(space, cell, parameters, Shapes::Values, shapes);
+    const auto nodes = space.nodes(cell);
     for (std::size_t k = 0; k < n; ++k)
       for (std::size_t i = 0; i < nodes.size(); ++i) {
         const double N = shapes.values(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(i));

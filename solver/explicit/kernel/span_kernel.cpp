@@ -22,7 +22,7 @@ template <class Degrees> class SpanKernel final : public InternalForces {
  public:
   SpanKernel(const SolutionSpace& space, LawAccess law, const KernelOptions& options)
       : law_(std::move(law)), options_(options), grid_(space.model().grid), plan_(make_span_plan(space)),
-        degrees_(plan_.degree), num_values_(3 * space.model().active_functions.size()),
+        degrees_(plan_.degree), num_values_(3 * space.model().functions.number.size()),
         memory_(law_, options_, static_cast<std::size_t>(plan_.num_point_blocks())) {
     const Point3 h = grid_.span_size();
     length_ = std::min({h[0], h[1], h[2]});
@@ -167,6 +167,7 @@ template <class Degrees> class SpanKernel final : public InternalForces {
   [[gnu::always_inline]] void copy_rows(std::int32_t span, const double* u, double* to) const {
     const auto line = static_cast<std::size_t>(3 * (degrees_.u + 1));
     const std::int64_t* rows = rows_of(span);
+    if (rows[0] < 0) return copy_functions(rows[0], u, to);
     for (std::size_t r = 0; r < num_rows(); ++r, to += line) {
       const double* from = u + 3 * rows[r];
       std::size_t k = 0;
@@ -177,12 +178,27 @@ template <class Degrees> class SpanKernel final : public InternalForces {
   [[gnu::always_inline]] void add_rows(std::int32_t span, const double* from, double* f) const {
     const auto line = static_cast<std::size_t>(3 * (degrees_.u + 1));
     const std::int64_t* rows = rows_of(span);
+    if (rows[0] < 0) return add_functions(rows[0], from, f);
     for (std::size_t r = 0; r < num_rows(); ++r, from += line) {
       double* to = f + 3 * rows[r];
       std::size_t k = 0;
       for (; k + lanes <= line; k += lanes) store_wide(load_wide(to + k) + load_wide(from + k), to + k);
       for (; k < line; ++k) to[k] += from[k];
     }
+  }
+
+  // The same one function at a time, where a cell sees copies.
+  std::span<const std::int32_t> functions_of(std::int64_t first_row) const {
+    const auto local = static_cast<std::size_t>(degrees_.u + 1) * num_rows();
+    return std::span(plan_.functions).subspan(local * static_cast<std::size_t>(-1 - first_row), local);
+  }
+  [[gnu::noinline]] void copy_functions(std::int64_t first_row, const double* u, double* to) const {
+    for (const std::int32_t function : functions_of(first_row))
+      for (std::ptrdiff_t d = 0; d < 3; ++d) *to++ = u[3 * std::ptrdiff_t{function} + d];
+  }
+  [[gnu::noinline]] void add_functions(std::int64_t first_row, const double* from, double* f) const {
+    for (const std::int32_t function : functions_of(first_row))
+      for (std::ptrdiff_t d = 0; d < 3; ++d) f[3 * std::ptrdiff_t{function} + d] += *from++;
   }
 
   ForceReport report() const {

@@ -1,6 +1,5 @@
 #include "solver/explicit/kernel/span_plan.hpp"
 
-#include "solver/space/light_functions.hpp"
 #include "solver/space/tensor_gradients.hpp"
 
 #include <algorithm>
@@ -49,6 +48,27 @@ std::vector<double> local_points(const SplineGrid& grid, const Index3& span, std
   return t;
 }
 
+void find_rows(const TrimmedModel& model, SpanPlan& plan) {
+  const auto width = static_cast<std::size_t>(model.grid.degree()[0] + 1);
+  std::vector<std::int64_t>& rows = plan.rows;
+  rows.reserve(model.cells.functions.size() / width);
+  std::int64_t others = 0;
+  for (std::size_t c = 0; c < model.num_cells(); ++c) {
+    const auto own = model.functions_of(c);
+    const std::size_t first = rows.size();
+    bool consecutive = true;
+    for (std::size_t k = 0; k < own.size(); ++k) {
+      if (k % width == 0)
+        rows.push_back(own[k]);
+      else
+        consecutive = consecutive && own[k] == own[k - 1] + 1;
+    }
+    if (consecutive) continue;
+    rows[first] = -1 - others++;
+    plan.functions.insert(plan.functions.end(), own.begin(), own.end());
+  }
+}
+
 // Costs in multiply-adds of eight lanes, forces included: to tell which way a few spans go faster.
 double functions_of(const std::array<int, 3>& p) {
   return (p[0] + 1.0) * (p[1] + 1.0) * (p[2] + 1.0);
@@ -84,14 +104,14 @@ class Planner {
   explicit Planner(const SolutionSpace& space)
       : space_(space), model_(space.model()), list_(model_.grid, plan_.polynomials) {
     plan_.degree = model_.grid.degree();
-    plan_.rows = function_rows(model_);
+    find_rows(model_, plan_);
   }
 
   SpanPlan make() {
     choose_edges();
     const Index3 n = block_counts();
     std::vector<std::vector<std::int64_t>> members(static_cast<std::size_t>(n[0] * n[1] * n[2]));
-    for (std::int64_t a = 0; a < space_.num_spans(); ++a) {
+    for (std::int64_t a = 0; a < space_.num_cells(); ++a) {
       const Index3 b = block_of(a);
       members[static_cast<std::size_t>(b[0] + n[0] * (b[1] + n[1] * b[2]))].push_back(a);
     }
@@ -109,7 +129,7 @@ class Planner {
   }
 
  private:
-  Index3 index(std::int64_t a) const { return model_.grid.span_index(model_.active[static_cast<std::size_t>(a)]); }
+  Index3 index(std::int64_t a) const { return model_.grid.span_index(model_.cells.span[static_cast<std::size_t>(a)]); }
   Index3 block_of(std::int64_t a) const {
     const Index3 s = index(a);
     return {(s[0] - lower_[0]) / edge_[0], (s[1] - lower_[1]) / edge_[1], (s[2] - lower_[2]) / edge_[2]};
@@ -123,7 +143,7 @@ class Planner {
   // Large blocks fill groups of eight better, many blocks feed more threads: the smallest that hold enough spans.
   void choose_edges() {
     lower_ = upper_ = index(0);
-    for (std::int64_t a = 1; a < space_.num_spans(); ++a)
+    for (std::int64_t a = 1; a < space_.num_cells(); ++a)
       for (std::size_t d = 0; d < 3; ++d) {
         lower_[d] = std::min(lower_[d], index(a)[d]);
         upper_[d] = std::max(upper_[d], index(a)[d]);
@@ -133,8 +153,8 @@ class Planner {
     for (const Index3& edge : {Index3{8, 4, 4}, Index3{8, 8, 4}, Index3{8, 8, 8}}) {
       edge_ = edge;
       std::map<Index3, int> used;
-      for (std::int64_t a = 0; a < space_.num_spans(); ++a) used[block_of(a)] = 1;
-      if (space_.num_spans() >= enough * static_cast<std::int64_t>(used.size())) break;
+      for (std::int64_t a = 0; a < space_.num_cells(); ++a) used[block_of(a)] = 1;
+      if (space_.num_cells() >= enough * static_cast<std::int64_t>(used.size())) break;
     }
   }
 

@@ -70,12 +70,17 @@ struct SpanPlan {
   std::vector<OwnPoints> own_points;
   std::vector<WorkBlock> blocks;            ///< by colour: the blocks of a colour share no function
   std::vector<std::int64_t> colour_offsets; ///< (number of colours + 1): into blocks
-  std::vector<std::int64_t> rows;           ///< function_rows of the model
-  std::vector<std::int64_t> point;          ///< (8 num_blocks): number in model().points, -1 for padding and for
-                                            ///< fictitious material
-  std::int64_t num_points = 0;              ///< padding not counted
-  std::int64_t num_tensor_points = 0;       ///< of them in groups with a tensor
-  std::int64_t num_lane_points = 0;         ///< of them in groups without
+  /// First of the p_u + 1 functions (·, b, c) of each cell, b fastest, where they lie one after the other: nearly
+  /// everywhere. A cell that sees copies has -1 - k in its first row: its functions are the k-th entry of `functions`.
+  /// (num_cells × (p_v + 1)(p_w + 1))
+  std::vector<std::int64_t> rows;
+  std::vector<std::int32_t>
+      functions;                   ///< of cells whose functions do not lie in rows; (k × (p_u + 1)(p_v + 1)(p_w + 1))
+  std::vector<std::int64_t> point; ///< (8 num_blocks): number in model().points, -1 for padding and for
+                                   ///< fictitious material
+  std::int64_t num_points = 0;     ///< padding not counted
+  std::int64_t num_tensor_points = 0; ///< of them in groups with a tensor
+  std::int64_t num_lane_points = 0;   ///< of them in groups without
   std::int64_t num_point_blocks() const { return static_cast<std::int64_t>(point.size() / lanes); }
 };
 

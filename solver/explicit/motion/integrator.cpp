@@ -270,7 +270,7 @@ double Integrator::energy_error() const {
 std::string Integrator::place(std::size_t b, std::int32_t span) const {
   if (span < 0) return "at rest";
   const TrimmedModel& model = bodies_[b]->space().model();
-  const Index3 ijk = model.grid.span_index(model.active[static_cast<std::size_t>(span)]);
+  const Index3 ijk = model.grid.span_index(model.cells.span[static_cast<std::size_t>(span)]);
   const Box3 box = model.grid.span_box(ijk);
   Point3 u{};
   for (std::size_t d = 0; d < 3; ++d) u[d] = (box.lower[d] + box.upper[d]) / 2;

@@ -16,15 +16,13 @@ namespace {
 
 using Matrix3 = Eigen::Matrix3d;
 
-// N_i at the vertices of the surface, span by span.
+// N_i at the vertices of the surface, cell by cell.
 Eigen::SparseMatrix<double, Eigen::RowMajor> vertex_rows(const SolutionSpace& space, const OutputMesh& output) {
-  const auto& active = space.model().active;
-  std::vector<std::vector<std::size_t>> owned(active.size());
-  for (std::size_t v = 0; v < output.span.size(); ++v)
-    owned[static_cast<std::size_t>(std::lower_bound(active.begin(), active.end(), output.span[v]) - active.begin())]
-        .push_back(v);
-  std::vector<std::vector<Eigen::Triplet<double>>> parts(active.size());
-  tbb::parallel_for(std::size_t{0}, active.size(), [&](std::size_t a) {
+  const std::size_t num_cells = space.model().num_cells();
+  std::vector<std::vector<std::size_t>> owned(num_cells);
+  for (std::size_t v = 0; v < output.cell.size(); ++v) owned[static_cast<std::size_t>(output.cell[v])].push_back(v);
+  std::vector<std::vector<Eigen::Triplet<double>>> parts(num_cells);
+  tbb::parallel_for(std::size_t{0}, num_cells, [&](std::size_t a) {
     if (owned[a].empty()) return;
     std::vector<double> parameters;
     for (const std::size_t v : owned[a])
@@ -39,7 +37,7 @@ Eigen::SparseMatrix<double, Eigen::RowMajor> vertex_rows(const SolutionSpace& sp
   });
   std::vector<Eigen::Triplet<double>> all;
   for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
-  Eigen::SparseMatrix<double, Eigen::RowMajor> rows(static_cast<Eigen::Index>(output.span.size()), space.num_nodes());
+  Eigen::SparseMatrix<double, Eigen::RowMajor> rows(static_cast<Eigen::Index>(output.cell.size()), space.num_nodes());
   rows.setFromTriplets(all.begin(), all.end());
   return rows;
 }
@@ -63,7 +61,7 @@ double von_mises(const double* s) {
 std::vector<double> deformation_gradients(const SolutionSpace& space, const Eigen::VectorXd& u) {
   const TrimmedModel& model = space.model();
   std::vector<double> F(9 * model.points.weights.size());
-  tbb::parallel_for(std::int64_t{0}, space.num_spans(), [&](std::int64_t a) {
+  tbb::parallel_for(std::int64_t{0}, space.num_cells(), [&](std::int64_t a) {
     const auto parameters = span_parameters(model, a);
     const auto first = static_cast<std::size_t>((parameters.data() - model.points.parameters.data()) / 3);
     if (parameters.empty()) return;
@@ -87,7 +85,7 @@ std::vector<double> deformation_gradients(const SolutionSpace& space, const Eige
 
 FieldSampler::FieldSampler(const ExplicitBody& body, const Law& law, int subdivide)
     : body_(&body), law_(law), space_(body.space().model(), {LightFunctions::None, 0}) {
-  mesh_ = {body.settings().name, space_.model().active_functions, subdivide_surface(space_.model(), subdivide)};
+  mesh_ = {body.settings().name, space_.model().functions.number, subdivide_surface(space_.model(), subdivide)};
   rows_ = vertex_rows(space_, mesh_.surface);
 }
 
@@ -143,7 +141,7 @@ FieldSampler::PointSamples FieldSampler::sample_points() const {
 
 std::vector<double> FieldSampler::carried(const std::vector<double>& at_points) const {
   const TrimmedModel& model = space_.model();
-  const auto num_spans = static_cast<std::size_t>(space_.num_spans());
+  const auto num_spans = static_cast<std::size_t>(space_.num_cells());
   std::vector<Eigen::MatrixX2d> parts(num_spans); // per function of the span: Σ w N s, Σ w N
   tbb::parallel_for(std::size_t{0}, num_spans, [&](std::size_t a) {
     const auto span = static_cast<std::int64_t>(a);

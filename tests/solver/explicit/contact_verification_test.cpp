@@ -187,7 +187,7 @@ TEST(ContactInTime, PressedBlocksWithSurfacesThatDoNotMatchAreUnderUniformStress
   double worst = 0;
   for (const auto& body : scene.bodies) {
     SamplePoints points;
-    for (std::int64_t a = 0; a < body->space.num_spans(); ++a)
+    for (std::int64_t a = 0; a < body->space.num_cells(); ++a)
       for (auto q = body->model.points.offsets[static_cast<std::size_t>(a)];
            q < body->model.points.offsets[static_cast<std::size_t>(a) + 1]; ++q)
         points.span.push_back(a);

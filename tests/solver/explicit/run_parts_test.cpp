@@ -178,7 +178,7 @@ TEST(ExplicitRun, InitialFieldsKeepTheirMomentumAndConverge) {
     for (Eigen::Index i = 0; i < body.space().num_nodes(); ++i) sum += body.momentum.segment<3>(3 * i);
     double largest = 0;
     SpanShapes shapes;
-    for (std::int64_t a = 0; a < body.space().num_spans(); ++a) {
+    for (std::int64_t a = 0; a < body.space().num_cells(); ++a) {
       const auto parameters = span_parameters(model, a), weights = span_weights(model, a);
       evaluate(body.space(), a, parameters, Shapes::Values, shapes);
       const auto nodes = body.space().nodes(a);

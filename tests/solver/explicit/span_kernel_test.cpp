@@ -91,7 +91,7 @@ TEST_P(SpanKernels, ConstantStressIsHeldByTheTractionOnTheSurface) {
     VectorXd expected = VectorXd::Zero(f.size());
     SpanShapes shapes;
     const SurfacePoints& surface = model.surface.quadrature;
-    for (std::int64_t a = 0; a < space.num_spans(); ++a) {
+    for (std::int64_t a = 0; a < space.num_cells(); ++a) {
       evaluate(space, a, surface_parameters(model, a), Shapes::Values, shapes);
       const auto first = surface.offsets[static_cast<std::size_t>(a)];
       for (Eigen::Index q = 0; q < shapes.values.rows(); ++q) {
@@ -176,11 +176,11 @@ TEST_P(SpanKernels, SpansMayOwnAnyTensorProductOfPoints) {
   TrimmedModel model = test::make_box_model(a_box(GetParam()));
   IntegrationPoints points;
   points.offsets = {0};
-  for (std::size_t a = 0; a < model.active.size(); ++a) {
+  for (std::size_t a = 0; a < model.cells.span.size(); ++a) {
     const auto parameters = span_parameters(model, static_cast<std::int64_t>(a));
     const auto weights = span_weights(model, static_cast<std::int64_t>(a));
-    if (model.state[static_cast<std::size_t>(model.active[a])] == static_cast<std::uint8_t>(SpanState::Interior)) {
-      const Index3 ijk = model.grid.span_index(model.active[a]);
+    if (model.state[static_cast<std::size_t>(model.cells.span[a])] == static_cast<std::uint8_t>(SpanState::Interior)) {
+      const Index3 ijk = model.grid.span_index(model.cells.span[a]);
       const Box3 box = model.grid.span_box(ijk);
       const auto count = [&](std::size_t d) {
         return (ijk[d] + (d == 0 ? 0 : 1)) % (d == 0 ? 4 : 3) + (d == 0 ? 0 : 1);
@@ -226,7 +226,7 @@ TEST_P(SpanKernels, FictitiousMaterialOfThinPartsIsCounted) {
       {{0, 0, 0}, {14, 14, 14}, {14, 14, 14}, p, identity_rotation, {4, 4, 6.45}, {8, 8, 6.45 + 1e-10}});
   const SolutionSpace space(model, {LightFunctions::Linear, 0.05});
   double share = 0;
-  for (std::int64_t a = 0; a < space.num_spans(); ++a) share = std::max(share, space.fictitious_share(a));
+  for (std::int64_t a = 0; a < space.num_cells(); ++a) share = std::max(share, space.fictitious_share(a));
   const ElasticMaterial material = isotropic(young, poisson, density);
   const auto K = assemble_stiffness(space, std::make_shared<const Connectivity>(space), material);
   const auto kernel = make_internal_forces(space, LinearElastic(material));

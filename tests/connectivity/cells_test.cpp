@@ -1,0 +1,188 @@
+// Pieces, links, copies and cells on solids whose connectivity is known.
+#include "format/model/span_state.hpp"
+#include "preprocessor/connectivity/cells.hpp"
+#include "preprocessor/fit/span_part.hpp"
+#include "tests/embed/surfaces.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <numbers>
+#include <set>
+
+namespace iga::prep {
+namespace {
+
+using namespace iga::test;
+
+struct Split {
+  Trimming whole, trimming;
+  CellTable cells;
+};
+
+Split split(const SplineGrid& grid, const TriangleMesh& mesh, const TrimOptions& options = {}) {
+  Split out;
+  out.whole = trim(grid, mesh, options);
+  out.trimming = out.whole;
+  out.cells = split_into_cells(grid, options, out.trimming);
+  return out;
+}
+
+std::vector<double> moments_of(const SplineGrid& grid, const Trimming& trimming, std::size_t touched) {
+  const std::array<int, 3> degree{2, 2, 2};
+  const FarMoments far(grid, trimming, degree);
+  LocalSurface surface;
+  gather_local_surface(grid, trimming, touched, surface);
+  std::vector<double> in_box(27);
+  span_moments(surface, far.find(touched), degree, in_box.data());
+  // Monomials of the span's own coordinates say the same about parts with different boxes: degree 1 will do.
+  std::vector<double> out;
+  const double V = surface.box_volume();
+  const auto mean = [&](std::size_t d, double first) {
+    const double size = surface.box.upper[d] - surface.box.lower[d];
+    return V * (surface.box.lower[d] * in_box[0] + size * (0.5 * (in_box[0] + first)));
+  };
+  out.push_back(V * in_box[0]);
+  out.push_back(mean(0, in_box[1]));
+  out.push_back(mean(1, in_box[3]));
+  out.push_back(mean(2, in_box[9]));
+  return out;
+}
+
+// Every span's cells add up to it, in volume and first moments.
+void expect_same_moments(const SplineGrid& grid, const Split& s) {
+  double worst = 0;
+  for (std::size_t c = 0; c < s.trimming.active.size();) {
+    const std::int64_t span = s.trimming.active[c];
+    std::size_t end = c;
+    while (end < s.trimming.active.size() && s.trimming.active[end] == span) ++end;
+    if (end - c > 1) {
+      std::vector<double> sum(4, 0.0);
+      for (; c < end; ++c) {
+        const auto m = moments_of(grid, s.trimming, static_cast<std::size_t>(s.trimming.touched[c]));
+        EXPECT_NEAR(m[0], s.trimming.fraction[c], 1e-12);
+        for (std::size_t k = 0; k < 4; ++k) sum[k] += m[k];
+      }
+      const auto at = std::lower_bound(s.whole.pieces.spans.begin(), s.whole.pieces.spans.end(), span);
+      const auto whole = moments_of(grid, s.whole, static_cast<std::size_t>(at - s.whole.pieces.spans.begin()));
+      for (std::size_t k = 0; k < 4; ++k) worst = std::max(worst, std::abs(sum[k] - whole[k]));
+    }
+    c = end;
+  }
+  EXPECT_LE(worst, 1e-12);
+}
+
+// Copies of a function belong to cells that links inside the support join, and to no others.
+void expect_connected_copies(const SplineGrid& grid, const Split& s) {
+  const auto p = grid.degree();
+  const auto local = static_cast<std::size_t>((p[0] + 1) * (p[1] + 1) * (p[2] + 1));
+  for (std::size_t c = 0; c < s.trimming.active.size(); ++c) {
+    const Index3 ijk = grid.span_index(s.trimming.active[c]);
+    std::size_t f = c * local;
+    for (int w = 0; w <= p[2]; ++w)
+      for (int v = 0; v <= p[1]; ++v)
+        for (int u = 0; u <= p[0]; ++u, ++f)
+          ASSERT_EQ(s.cells.function[static_cast<std::size_t>(s.cells.functions[f])],
+                    grid.function_number({ijk[0] + u, ijk[1] + v, ijk[2] + w}));
+  }
+  for (const PieceLink& link : s.trimming.links) { // what both see of a function is the same copy
+    std::set<std::int32_t> low(
+        s.cells.functions.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(link.low) * local),
+        s.cells.functions.begin() + static_cast<std::ptrdiff_t>((static_cast<std::size_t>(link.low) + 1) * local));
+    std::size_t shared = 0;
+    for (std::size_t f = 0; f < local; ++f)
+      shared += low.count(s.cells.functions[static_cast<std::size_t>(link.high) * local + f]);
+    ASSERT_EQ(shared, local / static_cast<std::size_t>(p[link.axis] + 1) * static_cast<std::size_t>(p[link.axis]));
+  }
+}
+
+TriangleMesh two_blocks(double gap) {
+  return join({box({0, 0, 0}, {20, 20, 14.37}), box({0, 0, 14.37 + gap}, {20, 20, 30})});
+}
+
+TEST(Cells, TwoBlocksOfAnyGapAreTwoBodies) {
+  for (const double gap : {1.0, 1e-3, 1e-8}) {
+    for (int degree = 1; degree <= 4; ++degree) {
+      const TriangleMesh mesh = transformed(two_blocks(gap), rotation(13, 9), {1.234, 2.345, 3.456});
+      const SplineGrid grid = grid_around(mesh, 5, degree, 0.37);
+      const Split s = split(grid, mesh);
+      EXPECT_EQ(s.cells.components, 2) << gap << " p" << degree;
+      EXPECT_EQ(s.cells.unclear_spans, 0);
+      EXPECT_GT(s.cells.split_spans, 0);
+      EXPECT_GT(s.cells.copied_functions, 0);
+      expect_same_moments(grid, s);
+      expect_connected_copies(grid, s);
+    }
+  }
+}
+
+TEST(Cells, GapBetweenGridPlanesOfAlignedBlocks) {
+  for (const double height : {5.0, 10.0, 9.99999, 10.00001, 12.5}) {
+    const TriangleMesh mesh = join({box({0, 0, 0}, {20, 20, height}), box({0, 0, height + 1e-4}, {20, 20, 25})});
+    const SplineGrid grid = grid_around(mesh, 5, 2);
+    const Split s = split(grid, mesh);
+    EXPECT_EQ(s.cells.components, 2) << height;
+    expect_same_moments(grid, s);
+    expect_connected_copies(grid, s);
+  }
+}
+
+TEST(Cells, ConvexBodyHasOneCellPerSpanAndNoCopies) {
+  const TriangleMesh mesh = sphere({0.1, 0.2, 0.3}, 10, 3);
+  const SplineGrid grid = grid_around(mesh, 3, 2, 0.31);
+  const Split s = split(grid, mesh);
+  EXPECT_EQ(s.cells.components, 1);
+  EXPECT_EQ(s.cells.split_spans, 0);
+  EXPECT_EQ(s.cells.copied_functions, 0);
+  EXPECT_EQ(s.trimming.active, s.whole.active);
+  EXPECT_EQ(s.trimming.pieces.offsets, s.whole.pieces.offsets);
+  expect_connected_copies(grid, s);
+}
+
+TEST(Cells, BoxOnAPlateInAGridPlaneIsOneBody) {
+  // The box's foot lies inside the plate's top, in a grid plane: no trace is common to both spans.
+  TriangleMesh mesh = prism({{0, 0}, {30, 0}, {30, 10}, {22, 10}, {22, 20}, {8, 20}, {8, 10}, {0, 10}},
+                            {{0, 1, 4}, {1, 2, 3}, {1, 3, 4}, {0, 4, 5}, {0, 5, 6}, {0, 6, 7}}, 0, 30);
+  const SplineGrid grid = grid_around(mesh, 10, 2);
+  const Split s = split(grid, mesh);
+  EXPECT_EQ(s.cells.components, 1);
+  EXPECT_EQ(s.cells.unclear_spans, 0);
+  expect_connected_copies(grid, s);
+}
+
+TEST(Cells, ShellInsideASpan) {
+  const SplineGrid grid({0, 0, 0}, {30, 30, 30}, {3, 3, 3}, {2, 2, 2}, identity_rotation);
+  const TriangleMesh ball = sphere({15, 15, 15}, 2, 2), hole = flipped(sphere({15, 15, 15}, 4, 2));
+  const TriangleMesh block = box({2, 2, 2}, {28, 28, 28});
+  const Split cavity = split(grid, join({block, hole}));
+  EXPECT_EQ(cavity.cells.components, 1);
+  EXPECT_EQ(cavity.cells.split_spans, 0);
+  EXPECT_EQ(cavity.cells.unclear_spans, 0);
+  const Split loose = split(grid, join({block, hole, ball}));
+  EXPECT_EQ(loose.cells.components, 2);
+  EXPECT_EQ(loose.cells.split_spans, 1);
+  EXPECT_EQ(loose.cells.unclear_spans, 0);
+  expect_same_moments(grid, loose);
+}
+
+TEST(Cells, ForkOfAnyGap) {
+  for (const char* name : {"fork_gap_2.5.stl", "fork_gap_0.5.stl", "fork_gap_0.02.stl"}) {
+    const auto file = shared_part(std::string("fork/") + name);
+    if (file.empty()) GTEST_SKIP() << "the shared parts are not there; set IGA_SHARED_DIR";
+    const TriangleMesh mesh = read_stl(file);
+    for (const double size : {10.0, 5.0, 2.5, 1.6}) {
+      const SplineGrid grid = grid_around(mesh, size, 2);
+      const Split s = split(grid, mesh);
+      EXPECT_EQ(s.cells.components, 1);
+      EXPECT_EQ(s.cells.unclear_spans, 0);
+      EXPECT_GT(s.cells.copied_functions, 0);
+      printf("%s %g: cells %zu pieces %ld split %ld copied %ld of %zu\n", name, size, s.trimming.active.size(),
+             s.cells.pieces, s.cells.split_spans, s.cells.copied_functions, s.cells.function.size());
+      expect_same_moments(grid, s);
+      expect_connected_copies(grid, s);
+    }
+  }
+}
+
+} // namespace
+} // namespace iga::prep
