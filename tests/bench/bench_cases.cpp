@@ -47,17 +47,16 @@ const IntegrationPoints& BenchCase::points(int degree) {
 }
 
 TrimmedModel BenchCase::model(int degree) {
-  const prep::Trimming& trimmed = this->trimming(degree);
+  prep::Trimming trimmed = this->trimming(degree);
   TrimmedModel model;
   model.grid = grid(degree);
-  model.points = points(degree);
-  prep::FunctionMass mass = prep::function_mass(model.grid, trimmed, model.points);
-  model.functions.number = std::move(mass.functions);
-  model.functions.mass_fraction = std::move(mass.mass_fraction);
+  prep::CellTable cells = prep::split_into_cells(model.grid, {}, trimmed);
+  prep::QuadratureOptions options;
+  options.moment_degree = {degree, degree, degree};
+  model.points = prep::build_quadrature(model.grid, trimmed, options).points;
+  model.functions.mass_fraction = prep::mass_fractions(model.grid, trimmed, cells, model.points);
   model.surface = prep::make_embedded_surface(model.grid, mesh(), trimmed);
-  model.state = trimmed.state;
-  model.cells.span = trimmed.active;
-  model.cells.volume_fraction = trimmed.fraction;
+  prep::place_cells(std::move(trimmed), std::move(cells), model);
   return model;
 }
 

@@ -110,24 +110,14 @@ TEST(JudgeWinding, AdvisesTheNextStepAndNeverWhatWasTried) {
 
 const SplineGrid unit_spans({0, 0, 0}, {10, 10, 10}, {10, 10, 10}, {2, 2, 2});
 
-TEST(JudgeGaps, SharedFunctionsAndGapsAreAWarning) {
-  WindingReport winding;
-  EXPECT_TRUE(judge_gaps(std::nullopt, winding, unit_spans).empty());
-  const NarrowGap slot{0.5, 0.5, {1, 2, 3}, 0.5 / 3, 1000};
-  auto warnings = judge_gaps(slot, winding, unit_spans);
+TEST(JudgeCells, NamesAPlaceWherePiecesCannotBeTold) {
+  CellTable cells;
+  EXPECT_TRUE(judge_cells(cells, unit_spans).empty());
+  cells.unclear_spans = 3;
+  cells.first_unclear = unit_spans.span_number({1, 2, 3});
+  const auto warnings = judge_cells(cells, unit_spans);
   ASSERT_EQ(warnings.size(), 1U);
-  expect_words(warnings[0], {"0.5 wide", "near (1, 2, 3)", "3 spans long", "at most 0.166 ", "now 1 × 1 × 1"});
-  winding.shared_functions = 7;
-  warnings = judge_gaps(slot, winding, unit_spans);
-  ASSERT_EQ(warnings.size(), 1U);
-  expect_words(warnings[0], {"0.5 wide", "7 functions are shared"});
-  warnings = judge_gaps(std::nullopt, winding, unit_spans);
-  ASSERT_EQ(warnings.size(), 1U);
-  expect_words(warnings[0], {"7 functions are shared across a gap", "smaller spans"});
-  // What no grid resolves is not answered with a span size.
-  warnings = judge_gaps(NarrowGap{1e-5, 1e-5, {}, 3e-6, 3e19}, winding, unit_spans);
-  ASSERT_EQ(warnings.size(), 1U);
-  EXPECT_EQ(warnings[0].find("--span-size"), std::string::npos);
+  expect_words(warnings[0], {"3 spans", "near (1.5, 2.5, 3.5)", "move together"});
 }
 
 TEST(JudgeWalls, NamesTheSpanSizeThatWouldDo) {

@@ -42,6 +42,7 @@ inline TrimmedModel make_two_boxes() {
   TrimmedModel long_box = make_box_model(box_in_grid({8, 1, 1}, {16, 2, 2}, 2)), model = long_box;
   const auto keep = [&](const Index3& span) { return span[0] < 4 || span[0] >= 16; };
   model.cells.span.clear();
+  model.cells.state.clear();
   model.cells.volume_fraction.clear();
   model.points = {};
   model.points.offsets = {0};
@@ -53,6 +54,7 @@ inline TrimmedModel make_two_boxes() {
       continue;
     }
     model.cells.span.push_back(long_box.cells.span[a]);
+    model.cells.state.push_back(long_box.cells.state[a]);
     model.cells.volume_fraction.push_back(long_box.cells.volume_fraction[a]);
     for (auto q = long_box.points.offsets[a]; q < long_box.points.offsets[a + 1]; ++q) {
       const double* u = &long_box.points.parameters[3 * static_cast<std::size_t>(q)];
@@ -73,6 +75,7 @@ inline TrimmedModel make_two_boxes() {
       model.functions.number.push_back(static_cast<std::int64_t>(f));
       model.functions.mass_fraction.push_back(1);
     }
+  make_cells(model);
   return model;
 }
 

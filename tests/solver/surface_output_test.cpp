@@ -67,7 +67,7 @@ TEST_P(OutputSurface, KeepsVerticesAndRegions) {
   const auto& given = model_.surface.mesh;
   const OutputMesh out = subdivide_surface(model_, 3);
   EXPECT_TRUE(std::equal(given.vertices.begin(), given.vertices.end(), out.mesh.vertices.begin()));
-  EXPECT_TRUE(std::equal(model_.surface.vertex_cell.begin(), model_.surface.vertex_cell.end(), out.span.begin()));
+  EXPECT_TRUE(std::equal(model_.surface.vertex_cell.begin(), model_.surface.vertex_cell.end(), out.cell.begin()));
   EXPECT_EQ(out.mesh.region_names, given.region_names);
   const auto areas = [](const TriangleMesh& mesh) {
     std::vector<double> area(mesh.region_names.size(), 0);
@@ -123,7 +123,7 @@ TEST(NearestSpanOf, PointsInGridPlanesIsTheOneOfTheMaterial) {
       test::make_box_model({{0, 0, 0}, {6, 5, 4}, {6, 5, 4}, {2, 2, 2}, identity_rotation, {2, 1, 1}, {4, 3, 2}});
   const auto span_of = [&](const Point3& u, const Point3& outward) {
     const auto nearest = nearest_span(model, u, outward);
-    return model.grid.span_index(model.cells.span[static_cast<std::size_t>(nearest.active)]);
+    return model.grid.span_index(model.cells.span[static_cast<std::size_t>(nearest.cell)]);
   };
   EXPECT_EQ(span_of({4, 1.5, 1.5}, {1, 0, 0}), (Index3{3, 1, 1}));
   EXPECT_EQ(span_of({2, 1.5, 1.5}, {-1, 0, 0}), (Index3{2, 1, 1}));
@@ -133,7 +133,7 @@ TEST(NearestSpanOf, PointsInGridPlanesIsTheOneOfTheMaterial) {
   EXPECT_DOUBLE_EQ(beyond.distance, std::hypot(0.25, 1));
   EXPECT_EQ(beyond.parameter, (Point3{4, 1.5, 2}));
   const auto far = nearest_span(model, {5.5, 4.5, 3.5}, {1, 0, 0});
-  EXPECT_EQ(model.cells.span[static_cast<std::size_t>(far.active)], model.grid.span_number({3, 2, 1}));
+  EXPECT_EQ(model.cells.span[static_cast<std::size_t>(far.cell)], model.grid.span_number({3, 2, 1}));
 }
 
 // (unknowns × 2): coefficients of two linear fields.

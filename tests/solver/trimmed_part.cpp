@@ -9,6 +9,7 @@ namespace iga::test {
 
 TrimmedModel make_part(const TriangleMesh& mesh, const SplineGrid& grid, int moment_degree, const char* interior_rule) {
   prep::Trimming trimming = prep::trim(grid, mesh, {});
+  prep::CellTable cells = prep::split_into_cells(grid, {}, trimming);
   const int q = moment_degree > 0 ? moment_degree : grid.degree()[0];
   prep::QuadratureOptions options;
   options.moment_degree = {q, q, q};
@@ -21,13 +22,9 @@ TrimmedModel make_part(const TriangleMesh& mesh, const SplineGrid& grid, int mom
   prep::QuadratureResult quadrature = prep::build_quadrature(grid, trimming, options);
   model.points = std::move(quadrature.points);
   model.quadrature.max_residual = quadrature.max_residual;
-  prep::FunctionMass mass = prep::function_mass(grid, trimming, model.points);
-  model.functions.number = std::move(mass.functions);
-  model.functions.mass_fraction = std::move(mass.mass_fraction);
+  model.functions.mass_fraction = prep::mass_fractions(grid, trimming, cells, model.points);
   model.surface = prep::make_embedded_surface(grid, mesh, trimming);
-  model.state = std::move(trimming.state);
-  model.cells.span = std::move(trimming.active);
-  model.cells.volume_fraction = std::move(trimming.fraction);
+  prep::place_cells(std::move(trimming), std::move(cells), model);
   return model;
 }
 

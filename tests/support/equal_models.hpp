@@ -48,7 +48,10 @@ inline void expect_equal(const TrimmedModel& a, const TrimmedModel& b) {
   EXPECT_EQ(a.grid.rotation(), b.grid.rotation());
   EXPECT_EQ(a.state, b.state);
   EXPECT_EQ(a.cells.span, b.cells.span);
+  EXPECT_EQ(a.cells.state, b.cells.state);
   EXPECT_EQ(a.cells.volume_fraction, b.cells.volume_fraction);
+  EXPECT_EQ(a.cells.functions, b.cells.functions);
+  EXPECT_EQ(a.links.cells, b.links.cells);
   EXPECT_EQ(a.points.offsets, b.points.offsets);
   EXPECT_EQ(a.points.parameters, b.points.parameters);
   EXPECT_EQ(a.points.weights, b.points.weights);

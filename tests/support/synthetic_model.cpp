@@ -43,6 +43,7 @@ void add_volume(TrimmedModel& m, const Pieces& pieces) {
         m.state[static_cast<std::size_t>(number)] =
             static_cast<std::uint8_t>(u.full && v.full && w.full ? SpanState::Interior : SpanState::Trimmed);
         m.cells.span.push_back(number);
+        m.cells.state.push_back(m.state[static_cast<std::size_t>(number)]);
         m.cells.volume_fraction.push_back(u.full && v.full && w.full ? 1 : volume / m.grid.span_volume());
         for (const auto& [c, wc] : rule[2])
           for (const auto& [b, wb] : rule[1])
@@ -55,6 +56,29 @@ void add_volume(TrimmedModel& m, const Pieces& pieces) {
         m.points.offsets.push_back(static_cast<std::int64_t>(m.points.weights.size()));
       }
   m.points.residual.assign(m.cells.span.size(), 0);
+}
+
+void add_cells(TrimmedModel& m) {
+  const auto p = m.grid.degree();
+  const auto find = [](const std::vector<std::int64_t>& sorted, std::int64_t number) {
+    const auto it = std::lower_bound(sorted.begin(), sorted.end(), number);
+    return it != sorted.end() && *it == number ? static_cast<std::int32_t>(it - sorted.begin()) : -1;
+  };
+  m.cells.functions.clear();
+  m.links.cells.clear();
+  for (std::size_t c = 0; c < m.num_cells(); ++c) {
+    const Index3 e = m.grid.span_index(m.cells.span[c]);
+    for (std::int64_t w = 0; w <= p[2]; ++w)
+      for (std::int64_t v = 0; v <= p[1]; ++v)
+        for (std::int64_t u = 0; u <= p[0]; ++u)
+          m.cells.functions.push_back(find(m.functions.number, m.grid.function_number({e[0] + u, e[1] + v, e[2] + w})));
+    for (std::size_t d = 0; d < 3; ++d) {
+      Index3 next = e;
+      if (++next[d] == m.grid.spans()[d]) continue;
+      const std::int32_t other = find(m.cells.span, m.grid.span_number(next));
+      if (other >= 0) m.links.cells.insert(m.links.cells.end(), {static_cast<std::int32_t>(c), other});
+    }
+  }
 }
 
 void add_functions(TrimmedModel& m) {
@@ -91,6 +115,7 @@ void add_functions(TrimmedModel& m) {
       m.functions.number.push_back(static_cast<std::int64_t>(i));
       m.functions.mass_fraction.push_back(mass[i] / whole[i]);
     }
+  add_cells(m);
 }
 
 // Face 2 d + side of the box lies at lower[d] (side 0) or upper[d] (side 1); its triangles are split along the diagonal
@@ -107,7 +132,7 @@ void add_surface(TrimmedModel& m, const BoxCase& box, const Pieces& pieces) {
     }
     s.mesh.vertices.push_back(m.grid.to_position(u));
     s.vertex_parameters.insert(s.vertex_parameters.end(), u.begin(), u.end());
-    s.vertex_cell.push_back(m.grid.span_number(owner));
+    s.vertex_cell.push_back(static_cast<std::int64_t>(m.cells_of(m.grid.span_number(owner)).first));
   }
   const char* names[]{"u-", "u+", "v-", "v+", "w-", "w+"};
   struct FacePoint {
@@ -170,6 +195,10 @@ void add_surface(TrimmedModel& m, const BoxCase& box, const Pieces& pieces) {
 }
 
 } // namespace
+
+void make_cells(TrimmedModel& model) {
+  add_cells(model);
+}
 
 std::vector<std::pair<double, double>> gauss_rule(int n) {
   std::vector<std::pair<double, double>> rule;

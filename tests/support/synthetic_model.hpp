@@ -29,4 +29,7 @@ BoxCase very_fine_case();
 /// Gauss–Legendre on [0, 1] with n = 1 … 5 points: (position, weight).
 std::vector<std::pair<double, double>> gauss_rule(int n);
 
+/// Fills cells.functions and links of a model with one cell a span from its cells.span and functions.number.
+void make_cells(TrimmedModel& model);
+
 } // namespace iga::test

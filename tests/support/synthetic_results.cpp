@@ -121,7 +121,9 @@ Point3 LinearField::at(const Point3& x) const {
 
 SurfaceResult make_surface_result(const TrimmedModel& model, int num_steps) {
   SurfaceResult s;
-  s.output = {model.surface.mesh, model.surface.vertex_parameters, model.surface.vertex_cell};
+  s.output = {model.surface.mesh, model.surface.vertex_parameters, {}, {}};
+  for (const std::int64_t cell : model.surface.vertex_cell)
+    s.output.span.push_back(model.cells.span[static_cast<std::size_t>(cell)]);
   for (int step = 0; step < num_steps; ++step) {
     const LinearField field(step);
     s.steps.push_back(step + 1);
