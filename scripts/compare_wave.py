@@ -76,15 +76,15 @@ def displacements_at(model_file, results, points):
     model = iga_model.read(model_file)
     low, spans = model.attribute("/patch", "A"), model.attribute("/patch", "spans")
     size = (model.attribute("/patch", "B") - low) / spans
-    active = {tuple(index) for index in model.split_numbers(model["/spans/active"], spans)}
+    cells = {tuple(index): cell for cell, index in enumerate(model.cell_spans())}  # a bar: one a span
     places = []
     for point in points:  # a probe on the surface may lie in a plane of the grid: the span with material owns it
         place = (point - low) / size
         around = [(i, j, k) for i in _spans_at(place[0]) for j in _spans_at(place[1]) for k in _spans_at(place[2])]
-        places.append(next(index for index in around if index in active))
-    numbers, values = model.functions_at(np.array(places), points)
+        places.append(next(index for index in around if index in cells))
+    values = model.functions_at(np.array(places), points)[1]
     fields = [results.fields(step) for step in range(results.num_fields())]
-    rows = np.searchsorted(fields[0].mesh["bar/active_functions"], numbers)
+    rows = model["/cells/functions"][[cells[index] for index in places]]
     u = [np.einsum("ni,ni->n", values, field["bar/coefficients"][rows, 0]) for field in fields]
     return np.array([field.time for field in fields]), np.array(u)
 

@@ -98,6 +98,14 @@ def actor_of(poly, colour=None, table=None, edges=None, lines=1.0, opacity=1.0, 
     return actor
 
 
+def on_top(actor):
+    """The actor, drawn over what lies in the same place."""
+    mapper = actor.GetMapper()
+    mapper.SetResolveCoincidentTopologyToPolygonOffset()
+    mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(-1, -4)
+    return actor
+
+
 def two_colours(first, second, low, high):
     table = vtkLookupTable()
     table.SetNumberOfTableValues(2)

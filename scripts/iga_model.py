@@ -1,13 +1,18 @@
 #!/usr/bin/python3
-"""Independent reader of the interchange file: h5py and numpy alone, held against schema/model.toml.
+"""Independent reader of the interchange file: h5py, numpy and scipy alone, held against schema/model.toml.
 
 As a command:  scripts/iga_model.py part.h5 [--json]     validates the file and prints what its points say
 As a module:   model = iga_model.read("part.h5");  model.positions(), model.volume_integrals(), model.mass_fractions()
+
+A cell is one connected piece of one span; model["/cells/functions"] tells which functions it sees, one copy of each B-spline
+that reaches its span.
 """
 import sys
 
 import h5py
 import numpy as np
+from scipy import sparse
+from scipy.sparse import csgraph
 
 import iga_schema
 from iga_schema import FormatError, text_of as _text
@@ -64,7 +69,7 @@ class Model:
 
     def __init__(self, path):
         with h5py.File(path, "r") as file:
-            self.symbols = iga_schema.validate(file, SCHEMA)
+            self.symbols = iga_schema.validate(file, SCHEMA, made_by="igaprep")
             self.attributes = {("/" + name): dict(file[name].attrs) for name in ("patch", "quadrature", "surface")}
             self.attributes["/"] = dict(file.attrs)
             self.data = {}
@@ -75,6 +80,28 @@ class Model:
         self.spans = [int(n) for n in patch["spans"]]
         self.functions = [n + p for n, p in zip(self.spans, self.degree)]
         self.knots = [self["/patch/knots_" + d] for d in "uvw"]
+        self._check_cells()
+
+    def _check_cells(self):
+        """What the cells' tables promise, as far as all else here stands on it."""
+        span, functions, number = self["/cells/span"], self["/cells/functions"], self["/functions/number"]
+        state = np.asarray(self["/spans/state"]).ravel()
+        if not np.array_equal(np.unique(span), np.flatnonzero(state)) or (np.diff(span) < 0).any():
+            raise FormatError("/cells/span: names other spans than those that are not EXTERIOR, or is not ascending")
+        wrong = self["/cells/state"] != state[span]
+        if wrong.any():
+            raise FormatError(f"/cells/state: that of cell {np.argmax(wrong)} is not its span's in /spans/state")
+        if len(functions) and not 0 <= functions.min() <= functions.max() < len(number):
+            raise FormatError(f"/cells/functions: names functions {functions.min()} ... {functions.max()} of {len(number)}")
+        wrong = (number[functions] != self.numbers_at(self.split_numbers(span, self.spans))).any(1)
+        if wrong.any():
+            raise FormatError(f"/cells/functions: cell {np.argmax(wrong)} sees other functions than copies of the B-splines "
+                              "of its span")
+        if (np.diff(number) < 0).any() or len(np.unique(functions)) < len(number):
+            raise FormatError("/functions/number: falls, or holds functions that no cell sees")
+        links = self["/links/cells"]
+        if links.size and not (0 <= links.min() and links.max() < len(span) and (links[:, 0] < links[:, 1]).all()):
+            raise FormatError(f"/links/cells: expected pairs of a lower and a higher one of {len(span)} cells")
 
     def __getitem__(self, path):
         return self.data[path]
@@ -83,10 +110,38 @@ class Model:
         value = self.attributes[owner][name]
         return _text(value) if isinstance(value, (bytes, str)) else value
 
+    def cell_spans(self, cells=slice(None)):
+        """Index triples (i, j, k) of the spans that cells are pieces of: (n, 3); all cells by default."""
+        return self.split_numbers(self["/cells/span"][cells], self.spans)
+
+    def point_cells(self, group="/quadrature"):
+        """Cells that own the points of a group: (n)."""
+        offsets = self[group + "/offsets"]
+        return np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
+
     def point_spans(self, group="/quadrature"):
         """Index triples (i, j, k) of the spans that own the points of a group: (n, 3)."""
-        owners = np.repeat(self["/spans/active"], np.diff(self[group + "/offsets"]))
-        return self.split_numbers(owners, self.spans)
+        return self.cell_spans(self.point_cells(group))
+
+    def only_cells(self, spans):
+        """Cells (n) of spans (n), by linear number, that hold one each. Raises ValueError for others."""
+        first, last = (np.searchsorted(self["/cells/span"], spans, side) for side in ("left", "right"))
+        if (last - first != 1).any():
+            span = np.asarray(spans)[np.argmax(last - first != 1)]
+            raise ValueError(f"span {span} does not hold exactly one cell")
+        return first
+
+    def components(self):
+        """Number of the mechanically separate body that each cell belongs to, from 0, and how many there are.
+
+        Cells hang together where they see a function in common, which is the same as by links: a function's cells are linked.
+        """
+        functions = self["/cells/functions"]
+        cells = np.repeat(np.arange(len(functions)), functions.shape[1])
+        shape = (len(functions) + len(self["/functions/number"]),) * 2  # cells, then functions
+        seen = sparse.coo_matrix((np.ones(functions.size), (cells, len(functions) + functions.ravel())), shape)
+        count, component = csgraph.connected_components(seen, directed=False)
+        return component[:len(functions)], count
 
     @staticmethod
     def split_numbers(numbers, extents):
@@ -106,19 +161,20 @@ class Model:
         return (centre + (u - centre) @ patch["rotation"].T).reshape(*numbers.shape, 3)
 
     def shape_functions(self, group="/quadrature"):
-        """Blocks (slice, numbers (n, m), values (n, m)) of the m = product of (p + 1) functions at a group's points."""
-        spans, parameters = self.point_spans(group), self[group + "/parameters"]
+        """Blocks (slice, functions (n, m), values (n, m)) of the m = product of (p + 1) functions that each of a group's
+        points sees, as entries of /functions."""
+        cells, spans, parameters = self.point_cells(group), self.point_spans(group), self[group + "/parameters"]
         for first in range(0, len(spans), BLOCK):
             block = slice(first, min(first + BLOCK, len(spans)))
-            yield block, *self.functions_at(spans[block], parameters[block])
+            yield block, self["/cells/functions"][cells[block]], self.functions_at(spans[block], parameters[block])[1]
 
     def functions_at(self, spans, parameters):
-        """Numbers (n, m) and values (n, m) of the functions of given spans (n, 3) at given parameters (n, 3)."""
+        """Numbers (n, m) and values (n, m) of the B-splines of given spans (n, 3) at given parameters (n, 3)."""
         values = [basis(self.knots[d], self.degree[d], spans[:, d], parameters[:, d]) for d in range(3)]
         return self.numbers_at(spans), self._products(values)
 
     def numbers_at(self, spans):
-        """Numbers (n, m) of the functions of spans (n, 3), in the order of functions_at()."""
+        """Numbers (n, m) of the B-splines of spans (n, 3), in the order of functions_at() and of /cells/functions."""
         i, j, k = (spans[:, d, None] + np.arange(self.degree[d] + 1) for d in range(3))
         n_u, n_v, _ = self.functions
         return (i[:, None, None, :] + n_u * (j[:, None, :, None] + n_v * k[:, :, None, None])).reshape(len(spans), -1)
@@ -139,13 +195,13 @@ class Model:
     def positions(self, group="/quadrature"):
         """Positions of a group's points from x(u) = sum N_i(u) P_i: (n, 3)."""
         x = np.empty_like(self[group + "/parameters"])
-        for block, numbers, N in self.shape_functions(group):
-            x[block] = np.einsum("qi,qid->qd", N, self.control_points(numbers))
+        for block, functions, N in self.shape_functions(group):
+            x[block] = np.einsum("qi,qid->qd", N, self.control_points(self["/functions/number"][functions]))
         return x
 
     def vertex_positions(self):
         """Positions of the surface's vertices from their parameters: (n, 3)."""
-        spans = self.split_numbers(self["/surface/vertex_span"], self.spans)
+        spans = self.cell_spans(self["/surface/vertex_cell"])
         numbers, N = self.functions_at(spans, self["/surface/vertex_parameters"])
         return np.einsum("qi,qid->qd", N, self.control_points(numbers))
 
@@ -168,16 +224,15 @@ class Model:
         return area, (w[:, None] * n).sum(0), (w * ((x - x[0]) * n).sum(1)).sum() / 3
 
     def mass_fractions(self):
-        """Integral of N over the solid divided by its integral over the grid, of the active functions."""
-        total = np.zeros(np.prod(self.functions))
-        for block, numbers, N in self.shape_functions():
-            np.add.at(total, numbers.ravel(), (N * self["/quadrature/weights"][block, None]).ravel())
-        active = self["/functions/active"]
-        whole = np.ones(len(active))
-        for d, index in enumerate(self.split_numbers(active, self.functions).T):
+        """Integral of N over the cells that see it, divided by its integral over the grid, of all functions: (n_f)."""
+        total = np.zeros(len(self["/functions/number"]))
+        for block, functions, N in self.shape_functions():
+            np.add.at(total, functions.ravel(), (N * self["/quadrature/weights"][block, None]).ravel())
+        whole = np.ones(len(total))
+        for d, index in enumerate(self.split_numbers(self["/functions/number"], self.functions).T):
             p = self.degree[d]
             whole *= (self.knots[d][index + p + 1] - self.knots[d][index]) / (p + 1)
-        return total[active] / whole
+        return total / whole
 
 
 def read(path):
@@ -195,6 +250,11 @@ def summary(model):
         "length_unit": model.attribute("/", "length_unit"),
         "degree": model.degree,
         "spans": {"total": int(state.size), "interior": int((state == 1).sum()), "trimmed": int((state == 2).sum())},
+        "cells": len(model["/cells/span"]),
+        "split_spans": int((np.unique(model["/cells/span"], return_counts=True)[1] > 1).sum()),
+        "functions": len(model["/functions/number"]),
+        "copied_functions": int((np.unique(model["/functions/number"], return_counts=True)[1] > 1).sum()),
+        "components": model.components()[1],
         "points": len(model["/quadrature/weights"]),
         "volume": volume,
         "part_volume": float(model.attribute("/quadrature", "part_volume")),

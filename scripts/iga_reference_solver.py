@@ -23,7 +23,8 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import iga_model  # noqa: E402
 
-ENTRIES_PER_BLOCK = 20_000_000  # entries of span matrices held at a time: about 0.6 GB
+INTERIOR = iga_model.SCHEMA["enum"]["state"]["INTERIOR"]
+ENTRIES_PER_BLOCK = 20_000_000  # entries of cell matrices held at a time: about 0.6 GB
 BAND_LIMIT = 8 * 2**30  # bytes; a wider factor is refused
 RIGID = 1e-8  # an eigenvalue below this part of (pi c / L)^2 belongs to a rigid mode; round-off leaves about 1e-12
 CONVERGED = 1e-8  # bound on the residual |K x - l M x| / (l |M x|)
@@ -80,34 +81,33 @@ def gauss_points(model, span):
 
 
 def assemble(model, C, rho):
-    """Sparse K (3 n, 3 n) and M (n, n), the consistent mass of one component; n active functions in the file's order.
+    """Sparse K (3 n, 3 n) and M (n, n), the consistent mass of one component; n functions in the file's order.
+
+    Cell by cell: /cells/functions tells the rows that each one adds to.
 
     Rules on runs of interior spans need not integrate products of functions: there the mass takes Gauss points.
     """
-    active = model["/functions/active"]
     offsets, weights, parameters = (model["/quadrature/" + name] for name in ("offsets", "weights", "parameters"))
-    numbers_of_spans, state = model["/spans/active"], np.asarray(model["/spans/state"]).ravel()
-    spans = model.split_numbers(numbers_of_spans, model.spans)
+    functions, state, spans = model["/cells/functions"], model["/cells/state"], model.cell_spans()
     runs = model.attributes["/quadrature"]["interior_rule"] != "gauss"
-    numbers = np.searchsorted(active, model.numbers_at(spans))  # (spans, m)
-    n, m = len(active), numbers.shape[1]
+    n, m = len(model["/functions/number"]), functions.shape[1]
     K, M = sparse.csr_matrix((3 * n, 3 * n)), sparse.csr_matrix((n, n))
     step = max(1, ENTRIES_PER_BLOCK // (9 * m * m))
     for first in range(0, len(spans), step):
         block = range(first, min(first + step, len(spans)))
         k, mass = np.zeros((len(block), m, 3, m, 3)), np.zeros((len(block), m, m))
-        for row, span in enumerate(block):
-            points = slice(offsets[span], offsets[span + 1])
+        for row, cell in enumerate(block):
+            points = slice(offsets[cell], offsets[cell + 1])
             u, w = parameters[points], weights[points]
-            owners = np.repeat(spans[span:span + 1], len(w), axis=0)
+            owners = np.repeat(spans[cell:cell + 1], len(w), axis=0)
             B = strain_operator(model.gradients_at(owners, u))
             k[row] = (B.reshape(-1, 3 * m).T @ (w[:, None, None] * (C @ B)).reshape(-1, 3 * m)).reshape(m, 3, m, 3)
-            if runs and state[numbers_of_spans[span]] == 1:
-                u, w = gauss_points(model, spans[span])
-                owners = np.repeat(spans[span:span + 1], len(w), axis=0)
+            if runs and state[cell] == INTERIOR:
+                u, w = gauss_points(model, spans[cell])
+                owners = np.repeat(spans[cell:cell + 1], len(w), axis=0)
             N = model.functions_at(owners, u)[1]
             mass[row] = N.T @ (rho * w[:, None] * N)
-        rows = numbers[block.start:block.stop]
+        rows = functions[block.start:block.stop].astype(np.int64)
         pairs, place = np.unique(rows[:, :, None] * n + rows[:, None, :], return_inverse=True)
         place = place.ravel()
         gathered = lambda values: np.bincount(place, values.ravel(), len(pairs))  # noqa: E731
@@ -121,7 +121,7 @@ def assemble(model, C, rho):
 
 def length_scale(model):
     """Largest extent of the spans that hold material."""
-    ijk = model.split_numbers(model["/spans/active"], model.spans)
+    ijk = model.cell_spans()
     ends = [(model.knots[d][ijk[:, d].min() + p], model.knots[d][ijk[:, d].max() + p + 1])
             for d, p in enumerate(model.degree)]
     return max(high - low for low, high in ends)

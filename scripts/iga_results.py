@@ -3,7 +3,7 @@
 
 As a command:  scripts/iga_results.py modes.h5 [--json]   validates the file and prints what it says
 As a module:   results = iga_results.read("modes.h5");  results["/frequencies"], results.elastic()
-               results.field(model, coefficients, spans, parameters) with model = iga_model.read("part.h5")
+               results.field(model, coefficients, cells, parameters) with model = iga_model.read("part.h5")
                series = results.series("contact/plate")   the time series below that name
                step = results.fields(3);  step["cube/displacement"], step.mesh["cube/vertices"]   explicit runs
 """
@@ -111,12 +111,13 @@ class Results:
         mesh = Fields(folder / self.attribute("/fields", "bodies_file"))
         return Fields(folder / self.texts("/fields/file")[step], mesh)
 
-    def field(self, model, coefficients, spans, parameters):
-        """u = sum N_i c_i at parameters (n, 3) of given spans (n, 3): coefficients (n_f, 3) of this file, the functions
-        of the model that it was made from."""
-        numbers, N = model.functions_at(spans, parameters)
-        rows = np.searchsorted(self["/functions/active"], numbers)
-        return np.einsum("qi,qid->qd", N, coefficients[rows])
+    def field(self, model, coefficients, cells, parameters):
+        """u = sum N_i c_i at parameters (n, 3) of given cells (n): coefficients (n_f, 3) of this file, the functions of the
+        model that it was made from."""
+        if not np.array_equal(self["/functions/active"], model["/functions/number"]):
+            raise ValueError(f"{self.path}: these are results of another model")
+        N = model.functions_at(model.cell_spans(cells), parameters)[1]
+        return np.einsum("qi,qid->qd", N, coefficients[model["/cells/functions"][cells]])
 
 
 def read(path):

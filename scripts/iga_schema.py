@@ -113,11 +113,15 @@ def _is_required(entry, file):
     return entry["required"] and ("with" not in entry or entry["with"] in file)
 
 
-def validate(file, schema):
-    """Holds an open file against a table; returns the symbols' values. Raises FormatError."""
+def validate(file, schema, made_by=None):
+    """Holds an open file against a table; returns the symbols' values. Raises FormatError. `made_by`: the program that is to
+    make a file of an older major version again."""
     found = text_of(file.attrs.get("format", "")), text_of(file.attrs.get("format_version", ""))
-    major = schema["format_version"].split(".")[0]
-    if found[0] != schema["format"] or found[1].split(".")[0] != major:
+    major, its_major = (version.split(".")[0] for version in (schema["format_version"], found[1]))
+    if found[0] == schema["format"] and made_by and its_major.isdigit() and int(its_major) < int(major):
+        raise FormatError(f"/ attribute format_version: is {found[1]!r}, expected {major}.x: made by an older {made_by} (format "
+                          f"{its_major}.x); make the model again with {made_by}")
+    if found[0] != schema["format"] or its_major != major:
         raise FormatError(f"/: format {found[0]!r} and format_version {found[1]!r}, "
                           f"expected {schema['format']!r} and {major}.x")
     table = entries(schema, file)

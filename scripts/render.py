@@ -5,6 +5,9 @@ Of a part (igaprep part.stl -o part.h5):
   <part>_spans.png      the part in its grid, interior and trimmed spans in two colours, partly cut away
   <part>_points.png     one layer of spans with its quadrature points, coloured by weight over span volume
 
+  <part>_pieces.png     with --pieces instead: spans that hold several walls, coloured by cell, separate bodies in colours of
+                        their own; the numbers of such spans and of functions with copies
+
 Of results (igasolve eigen part.h5 … -o modes.h5, igasolve static …):
   <modes>_modes.png     the first six elastic modes on one sheet
   <modes>_mode_<n>.png  one mode each, for --mode n (numbers of the results file, the first is 1)
@@ -30,8 +33,10 @@ def parse_arguments():
     parser.add_argument("file", type=Path, nargs="?", help="interchange or results file (.h5)")
     parser.add_argument("--choices", type=Path, metavar="RUN.toml", help="draw the surface that a run file's supports and "
                         "loads have chosen")
-    parser.add_argument("--output", type=Path, help="folder of the pictures (default: the file's)")
+    parser.add_argument("-o", "--output", type=Path, help="folder of the pictures (default: the file's); with --pieces also "
+                        "the picture's own name, *.png")
     model = parser.add_argument_group("parts")
+    model.add_argument("--pieces", action="store_true", help="draw cells and separate bodies instead")
     model.add_argument("--axis", choices="uvw", help="grid axis across the layer of points (default: the part's thinnest)")
     model.add_argument("--at", type=float, default=0.5, help="place of the layer along that axis of the part, 0 … 1")
     results = parser.add_argument_group("results")
@@ -76,9 +81,14 @@ def main():
             format_name = file.attrs.get("format", "")
     except OSError as error:
         sys.exit(f"render.py: {arguments.file}: cannot be read ({error})")
-    folder = arguments.output or arguments.file.parent
+    output = arguments.output or arguments.file.parent
+    is_picture = arguments.pieces and output.suffix == ".png"
+    folder = output.parent if is_picture else output
     folder.mkdir(parents=True, exist_ok=True)
-    if format_name in ("iga-trimmed-solid-results", b"iga-trimmed-solid-results"):
+    if arguments.pieces:
+        import render_pieces
+        render_pieces.draw(arguments, output if is_picture else folder / f"{arguments.file.stem}_pieces.png")
+    elif format_name in ("iga-trimmed-solid-results", b"iga-trimmed-solid-results"):
         with h5py.File(arguments.file) as file:
             explicit = "time_series" in file
         if explicit:

@@ -32,7 +32,7 @@ def read_model(path):
             unit=text(file.attrs.get("length_unit", "unspecified")),
             A=np.array(patch["A"]), B=np.array(patch["B"]), R=np.array(patch["rotation"]).reshape(3, 3),
             n=np.array(patch["spans"], dtype=np.int64), degree=np.array(patch["degree"]),
-            state=file["spans/state"][()], active=file["spans/active"][()],
+            state=file["spans/state"][()], cell_span=file["cells/span"][()],
             offsets=file["quadrature/offsets"][()], parameters=file["quadrature/parameters"][()],
             weights=file["quadrature/weights"][()],
             vertices=file["surface/vertices"][()], triangles=file["surface/triangles"][()])
@@ -121,17 +121,17 @@ def in_space(model, points):
 
 # ---------------------------------------------------------------------------------------------------- the two pictures
 
-def active_box(model):
-    """Corners of the box of all active spans, in span numbers: low inclusive, high exclusive, order u v w."""
+def material_box(model):
+    """Corners of the box of all spans with material, in span numbers: low inclusive, high exclusive, order u v w."""
     n = model.n
-    ijk = np.stack([model.active % n[0], model.active // n[0] % n[1], model.active // (n[0] * n[1])])
+    ijk = np.stack([model.cell_span % n[0], model.cell_span // n[0] % n[1], model.cell_span // (n[0] * n[1])])
     return ijk.min(axis=1), ijk.max(axis=1) + 1
 
 
 def draw_spans(model, file):
     direction = np.array([0.62, 1.0, -0.62])  # of sight, in space
     sight, top = model.R.T @ direction, int(np.argmax(np.abs(model.R[2])))  # in the grid; its axis nearest to z
-    low, high = active_box(model)
+    low, high = material_box(model)
     sides = (high - low) * model.h
     long = max((axis for axis in range(3) if axis != top), key=lambda axis: sides[axis])
     middle = int(np.round((low[long] + high[long]) / 2))
@@ -167,12 +167,12 @@ def draw_spans(model, file):
 
 
 def draw_points(model, file, axis, at):
-    low, high = active_box(model)
+    low, high = material_box(model)
     n = model.n
     axis = int(np.argmin((high - low) * model.h)) if axis is None else "uvw".index(axis)
     layer = int(np.clip(low[axis] + np.floor(at * (high[axis] - low[axis])), low[axis], high[axis] - 1))
     stride = np.array([1, n[0], n[0] * n[1]])
-    owner = np.repeat(model.active, np.diff(model.offsets))
+    owner = np.repeat(model.cell_span, np.diff(model.offsets))
     chosen = (owner // stride[axis]) % n[axis] == layer
     if not chosen.any():
         sys.exit("render.py: this layer holds no quadrature point; choose another --at")

@@ -5,6 +5,7 @@
 
 #include <charconv>
 #include <fmt/format.h>
+#include <string_view>
 
 namespace iga::io {
 
@@ -14,10 +15,15 @@ void expect_format(const H5Reader& file, const char* format, int major, const ch
   const std::string version = file.text(names::root, "format_version");
   int number = -1;
   const auto end = std::from_chars(version.data(), version.data() + version.size(), number);
-  if (end.ec != std::errc() || number != major || (*end.ptr != '.' && *end.ptr != '\0'))
-    file.refuse("/ attribute format_version",
-                fmt::format("is '{}', this program reads {}.x (it writes {}){}", version, major, version_written,
-                            number >= 0 && number < major ? ": made by an older version; make it again" : ""));
+  if (end.ec != std::errc() || number != major || (*end.ptr != '.' && *end.ptr != '\0')) {
+    std::string advice;
+    if (number >= 0 && number < major)
+      advice = format == std::string_view(names::format)
+                   ? fmt::format(": made by an older igaprep (format {}.x); make the model again with igaprep", number)
+                   : ": made by an older version; make it again";
+    file.refuse("/ attribute format_version", fmt::format("is '{}', this program reads {}.x (it writes {}){}", version,
+                                                          major, version_written, advice));
+  }
 }
 
 void write_provenance(H5Writer& file, const Provenance& p) {

@@ -32,7 +32,7 @@ class CopyCheck {
         continue;
       }
       if (l > 0 && std::pair(low(l - 1), high(l - 1)) >= std::pair(low(l), high(l)))
-        links_.add("link {} does not come after the one before", l);
+        links_.add("link {} does not come after the one before, expected ascending pairs", l);
       const Index3 a = span(low(l)), b = span(high(l));
       std::int64_t apart = 0;
       for (std::size_t d = 0; d < 3; ++d) apart += std::abs(a[d] - b[d]);
@@ -58,7 +58,7 @@ class CopyCheck {
             const std::int32_t f = own[k];
             const std::int64_t expected = m_.grid.function_number({e[0] + u, e[1] + v, e[2] + w});
             if (f < 0 || f >= functions)
-              kind_.add("cell {} names function {} of {}", c, f, functions);
+              kind_.add("cell {} names function {}, expected 0 to {}", c, f, functions - 1);
             else if (number[static_cast<std::size_t>(f)] != expected)
               kind_.add("entry {} of cell {} is a copy of the B-spline {}, expected {}", k, c,
                         number[static_cast<std::size_t>(f)], expected);

@@ -105,7 +105,8 @@ bool states_fit(const TrimmedModel& m, int limit, std::vector<std::string>& prob
     const std::size_t first = next;
     for (; next < span.size() && span[next] == static_cast<std::int64_t>(e); ++next)
       if (m.cells.state[next] != m.state[e])
-        kind.add("cell {} has state {}, its span {} has {}", next, m.cells.state[next], e, m.state[e]);
+        kind.add("cell {} has state {}, expected that of its span {}, which is {}", next, m.cells.state[next], e,
+                 m.state[e]);
     if (m.state[e] == 1 && next - first > 1) kind.add("interior span {} has {} cells, expected one", e, next - first);
   }
   if (next != span.size()) kind.add("entry {} of cells/span is {}, expected no further span", next, span[next]);

@@ -50,6 +50,11 @@ class SchemaTest(SchemaCases, unittest.TestCase):
             file["quadrature"].attrs["mine"] = 7
         self.expect_accepted(change)
 
+    def test_a_model_of_version_1_is_to_be_made_again(self):
+        def change(file):
+            file.attrs["format_version"] = "1.1"
+        self.expect_refused(change, "made by an older igaprep (format 1.x)", "make the model again with igaprep")
+
     def test_an_impossible_shape_is_refused_without_the_memory(self):
         def change(file):
             del file["/quadrature/weights"]
@@ -63,10 +68,13 @@ class SchemaTest(SchemaCases, unittest.TestCase):
                 file[path][index] = value
             return change
         cases = [("/quadrature/weights", 0, -1.0, "weights"), ("/quadrature/parameters", (0, 0), 99.0, "parameters"),
-                 ("/spans/active", 0, 0, "spans/active"), ("/functions/active", 0, 0, "functions/active"),
+                 ("/cells/span", 0, 0, "cells/span"), ("/cells/state", 0, 0, "cells/span"),
+                 ("/cells/functions", (0, 1), 0, "cells/functions"), ("/cells/functions", (0, 0), -1, "cells/functions"),
+                 ("/functions/number", 0, 0, "cells/functions"), ("/links/cells", (0, 1), 0, "links/cells"),
+                 ("/surface/vertex_cell", 0, 10**6, "vertex"),
                  ("/patch/knots_u", 4, 0.5, "knots_u"), ("/patch/control_points", (7, 1), 3.3, "control_points"),
                  ("/surface/region", 0, 77, "region"), ("/surface/triangles", (0, 0), -1, "triangle"),
-                 ("/spans/volume_fraction", 3, np.nan, "volume_fraction")]
+                 ("/cells/volume_fraction", 3, np.nan, "volume_fraction")]
         for path, index, value, word in cases:
             with self.subTest(path):
                 code, text = self.check(self.changed(set_value(path, index, value)))

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""Walls and gaps that the spans are too coarse for: warned of by igaprep, in the model file, beside the results of igasolve; and
-the span sizes in the warnings do.   usage: coarse_spans_test.py IGAPREP IGASOLVE"""
+"""Walls that the spans are too coarse for: warned of by igaprep, in the model file, beside the results of igasolve; and the
+span sizes in the warnings do. Gaps are no reason to warn.   usage: coarse_spans_test.py IGAPREP IGASOLVE"""
 import json
 import math
 import re
@@ -69,19 +69,14 @@ class CoarseSpans(unittest.TestCase):
         self.assertIsNone(fine["thinnest_wall"])
         self.assertEqual(fine["warnings"], [])
 
-    def test_a_gap_that_functions_reach_across(self):
+    def test_a_gap_within_a_span_is_no_reason_to_warn(self):
+        """The walls move on their own; the gap is told all the same."""
         self.part(box_facets((0, 0, 0), (9, 6, 3)), box_facets((0, 0, 3.6), (9, 6, 6.6)))
         report = self.prepare("--span-size", "1")
         self.assertAlmostEqual(report["narrowest_gap"]["width"], 0.6, delta=1e-9)
         self.assertAlmostEqual(report["narrowest_gap"]["spans"], 0.6, delta=1e-9)
         self.assertIsNone(report["thinnest_wall"])
-        warnings = [w for w in report["warnings"] if "narrowest gap" in w]
-        self.assertEqual(len(warnings), 1, report["warnings"])
-        size = re.search(r"spans of at most ([\d.e-]+) keep them apart", warnings[0])[1]
-        self.assertAlmostEqual(float(size), 0.2, delta=1e-3)
-        fine = self.prepare("--span-size", size)
-        self.assertIsNone(fine["narrowest_gap"])
-        self.assertEqual(fine["warnings"], [])
+        self.assertEqual(report["warnings"], [])
 
     def test_thick_parts_are_silent(self):
         self.part(box_facets((0, 0, 0), (10, 10, 10)))

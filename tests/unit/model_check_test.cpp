@@ -83,7 +83,7 @@ const Fault faults[]{
     {"ResidualNotTheLargest", [](auto& m) { m.quadrature.max_residual = 1e-11; }, "max_residual"},
     {"UnknownRule", [](auto& m) { m.quadrature.interior_rule = "simpson"; }, "interior_rule is 'simpson'"},
     {"MissingFunction", [](auto& m) { m.functions.number.pop_back(), m.functions.mass_fraction.pop_back(); },
-     "names function 119 of 119"},
+     "names function 119, expected 0 to 118"},
     {"ExtraFunction", [](auto& m) { m.functions.number.push_back(335), m.functions.mass_fraction.push_back(1); },
      "belongs to no cell"},
     {"MassFractionZero", [](auto& m) { m.functions.mass_fraction[0] = 0; }, "mass fraction 0"},
