@@ -12,13 +12,13 @@ constexpr const char* format_version = "1.0";
 constexpr const char* bodies = "/bodies";
 
 /// Datasets of /bodies/<name>: `path` holds the last name alone.
-constexpr DatasetText active_functions{"active_functions", "1", "ascending, as /functions/active of the model",
+constexpr DatasetText active_functions{"active_functions", "1",
+                                       "as /functions/number of the model: ascending, repeated for copies",
                                        "functions that the coefficients belong to"};
 constexpr DatasetText vertices{"vertices", "length", "(vertex; x y z)", "vertices of the undeformed surface"};
 constexpr DatasetText vertex_parameters{"vertex_parameters", "parameter", "(vertex; u v w)",
                                         "the vertices in knot space, inside the closed span that owns each"};
-constexpr DatasetText vertex_span{"vertex_span", "1", "(vertex)",
-                                  "linear number of the active span that owns each vertex"};
+constexpr DatasetText vertex_span{"vertex_span", "1", "(vertex)", "linear number of the span that owns each vertex"};
 constexpr DatasetText triangles{"triangles", "1", "(triangle; vertex numbers, anticlockwise seen from outside)",
                                 "triangles of the surface"};
 constexpr DatasetText region{"region", "1", "(triangle)", "number of the region that each triangle belongs to"};

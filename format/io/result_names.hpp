@@ -29,9 +29,9 @@ constexpr const char* energy = "/time_series/energy";
 constexpr const char* surface = "/surface";
 constexpr const char* fields = "/fields";
 
-constexpr DatasetText active_functions{"/functions/active", "1",
-                                       "ascending; number = i + n_u (j + n_v k) of function (i, j, k)",
-                                       "linear numbers of the functions whose support holds material, as in the model"};
+constexpr DatasetText active_functions{
+    "/functions/active", "1", "ascending, repeated for copies; number = i + n_u (j + n_v k) of B-spline (i, j, k)",
+    "B-spline of each function, as /functions/number of the model"};
 
 constexpr DatasetText frequencies{"/frequencies", "1/time",
                                   "(mode): rigid ones, mechanisms, elastic ones, ascending within each kind",
@@ -115,7 +115,7 @@ constexpr DatasetText vertices{"/surface/vertices", "length", "(vertex; x y z)",
 constexpr DatasetText vertex_parameters{"/surface/vertex_parameters", "parameter", "(vertex; u v w)",
                                         "the vertices in knot space, inside the closed span that owns each"};
 constexpr DatasetText vertex_span{"/surface/vertex_span", "1", "(vertex)",
-                                  "linear number of the active span that owns each vertex"};
+                                  "linear number of the span that owns each vertex"};
 constexpr DatasetText triangles{"/surface/triangles", "1",
                                 "(triangle; vertex numbers, anticlockwise seen from outside)",
                                 "triangles of the surface"};
