@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 
 namespace iga {
 
@@ -114,6 +115,36 @@ bool states_fit(const TrimmedModel& m, int limit, std::vector<std::string>& prob
 }
 
 } // namespace
+
+CellCounts count_cells(const TrimmedModel& model) {
+  CellCounts counts;
+  // Each run of equal numbers counts once, at its second entry.
+  const auto repeated = [](const std::vector<std::int64_t>& numbers) {
+    std::int64_t count = 0;
+    for (std::size_t i = 1; i < numbers.size(); ++i)
+      count += numbers[i] == numbers[i - 1] && (i < 2 || numbers[i] != numbers[i - 2]);
+    return count;
+  };
+  counts.split_spans = repeated(model.cells.span);
+  counts.copied_functions = repeated(model.functions.number);
+  std::vector<std::int32_t> parent(model.num_cells());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](std::int32_t c) {
+    while (parent[static_cast<std::size_t>(c)] != c) {
+      auto& p = parent[static_cast<std::size_t>(c)];
+      c = p = parent[static_cast<std::size_t>(p)];
+    }
+    return c;
+  };
+  counts.components = static_cast<std::int64_t>(parent.size());
+  for (std::size_t l = 0; l + 1 < model.links.cells.size(); l += 2) {
+    const std::int32_t a = root(model.links.cells[l]), b = root(model.links.cells[l + 1]);
+    if (a == b) continue;
+    parent[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+    --counts.components;
+  }
+  return counts;
+}
 
 std::vector<std::string> check(const TrimmedModel& model, int limit) {
   std::vector<std::string> problems;

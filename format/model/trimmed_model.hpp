@@ -125,6 +125,13 @@ struct TrimmedModel {
   }
 };
 
+struct CellCounts {
+  std::int64_t split_spans = 0;      ///< spans with several cells
+  std::int64_t copied_functions = 0; ///< B-splines with several copies
+  std::int64_t components = 0;       ///< of the cells under their links: bodies that move apart
+};
+CellCounts count_cells(const TrimmedModel& model);
+
 /// Everything wrong with a model, one sentence each; empty for a sound one. At most `limit` entries per kind.
 /// Checks what schema/README.md lists: shapes, states against points, weights > 0, points inside their closed spans
 /// (1e-9 h), finite numbers, volumes, ownership of the surface. The surface's integrals are not judged where a leak was

@@ -216,6 +216,7 @@ PrepReport make_model(const Settings& s, const RunInfo& run, const PreparedSurfa
       stages.run("winding", [&] { return check_winding(model.grid, surface.mesh, trimming, s.trim.sliver_tolerance); });
   append(report.warnings, judge_winding(winding, trimming, treatment));
   CellTable cells = stages.run("cells", [&] { return split_into_cells(model.grid, s.trim, trimming); });
+  report.pieces = cells.pieces;
   append(report.warnings, judge_cells(cells, model.grid));
 
   QuadratureOptions options = s.quadrature;

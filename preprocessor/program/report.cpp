@@ -82,6 +82,7 @@ void add_run(io::JsonObject& json, const PrepReport& r) {
   json.add("format", r.format);
   json.add("bodies", r.bodies);
   json.add("cavities", r.cavities);
+  json.add("pieces", r.pieces);
   json.add("trimming_volume_error", r.trimming_error);
   json.add("interior_boxes", r.counts.interior_boxes);
   json.add("box_spans", r.counts.box_spans);
@@ -137,6 +138,12 @@ void describe_model(PrepReport& r, const TrimmedModel& model) {
   r.functions = static_cast<std::int64_t>(model.functions.number.size());
   r.light_functions = std::count_if(model.functions.mass_fraction.begin(), model.functions.mass_fraction.end(),
                                     [](double chi) { return chi < light_mass_fraction; });
+
+  const CellCounts cells = count_cells(model);
+  r.cells = static_cast<std::int64_t>(model.num_cells());
+  r.split_spans = cells.split_spans;
+  r.copied_functions = cells.copied_functions;
+  r.components = cells.components;
 
   r.points_moments = point_moments(model.grid, model.points, r.surface.centroid);
   const QuadratureInfo& q = model.quadrature;
@@ -201,7 +208,11 @@ std::string human_report(const PrepReport& r) {
                              r.points_moments.volume, r.surface.volume, r.trimming_error, r.volume_error));
   line("moments", fmt::format("points against surface: centroid {:.1e}, inertia {:.1e}, area {:.1e}", r.centroid_error,
                               r.inertia_error, r.area_error));
-  line("functions", fmt::format("{} with material, {} light", r.functions, r.light_functions));
+  line("cells",
+       fmt::format("{} in {}, {} {} several", r.cells, count(r.components, "connected part", "connected parts"),
+                   count(r.split_spans, "span", "spans"), r.split_spans == 1 ? "holds" : "hold"));
+  line("functions", fmt::format("{} with material, {} light; {} with a copy for each side of a gap", r.functions,
+                                r.light_functions, count(r.copied_functions, "B-spline", "B-splines")));
   if (const auto& w = r.walls.thinnest)
     line("walls",
          fmt::format("thinnest {:.4g}, {:.3g} spans, near {}; {:.3g} % of the volume in walls that want {} spans",
@@ -252,7 +263,11 @@ std::string json_report(const PrepReport& r) {
   json.add("dropped_volume", r.quadrature.dropped_volume);
   json.add("triangles", r.triangles);
   json.add("regions", r.regions);
+  json.add("cells", r.cells);
+  json.add("split_spans", r.split_spans);
+  json.add("components", r.components);
   json.add("functions", r.functions);
+  json.add("copied_functions", r.copied_functions);
   json.add("light_functions", r.light_functions);
   add_walls_and_gaps(json, r);
   json.add("findings", r.findings);

@@ -32,6 +32,8 @@ std::string text_report(const std::filesystem::path& file, const TrimmedModel& m
   line("box", "A = ({:.6g}), B = ({:.6g}){}{}", fmt::join(m.grid.A(), ", "), fmt::join(m.grid.B(), ", "), unit,
        m.grid.rotation() == identity_rotation ? "" : ", rotated");
   line("spans", "{} interior, {} trimmed, {} exterior", s.interior, s.trimmed, s.exterior);
+  line("cells", "{} in {} connected part{}; {} span{} several", m.num_cells(), s.cells.components,
+       s.cells.components == 1 ? "" : "s", s.cells.split_spans, s.cells.split_spans == 1 ? " holds" : "s hold");
   line("points", "{}: {} in interior spans ({}), {} in trimmed spans ({}, {:.1f} per span)", s.points,
        s.interior_points, q.interior_rule, s.points - s.interior_points, q.trimmed_rule,
        s.trimmed ? static_cast<double>(s.points - s.interior_points) / static_cast<double>(s.trimmed) : 0.0);
@@ -41,8 +43,10 @@ std::string text_report(const std::filesystem::path& file, const TrimmedModel& m
   if (q.snapped_spans) line("snapped", "{} spans, volume {:+.4g}", q.snapped_spans, q.snapped_volume);
   if (q.dropped_spans) line("dropped", "{} spans, volume {:.4g}", q.dropped_spans, -q.dropped_volume);
   line("centroid", "({:.8g})", fmt::join(s.centroid, ", "));
-  line("functions", "{} touch material, {} of them light (mass fraction below {}), lightest {:.3g}",
-       m.functions.number.size(), s.light_functions, light_below, s.lightest);
+  line("functions",
+       "{} touch material, {} of them light (mass fraction below {}), lightest {:.3g}; {} "
+       "B-splines with a copy for each side of a gap",
+       m.functions.number.size(), s.light_functions, light_below, s.lightest, s.cells.copied_functions);
   line("surface", "{} triangles, {} vertices, {} quadrature points, area {:.10g}", m.surface.mesh.triangles.size(),
        m.surface.mesh.vertices.size(), s.surface_points, s.area);
   if (m.surface.accepted_leak > 0)
@@ -103,7 +107,7 @@ std::string json_report(const std::filesystem::path& file, const TrimmedModel& m
       .add("dropped", q.dropped_volume);
   volume.add("snapped_spans", q.snapped_spans).add("dropped_spans", q.dropped_spans).add("centroid", s.centroid);
   functions.add("active", m.functions.number.size()).add("light", s.light_functions).add("light_below", light_below);
-  functions.add("lightest", s.lightest);
+  functions.add("lightest", s.lightest).add("copied", s.cells.copied_functions);
   std::vector<JsonObject> regions;
   for (const auto& r : s.regions)
     regions.push_back(JsonObject().add("name", r.name).add("triangles", r.triangles).add("area", r.area));
@@ -114,6 +118,10 @@ std::string json_report(const std::filesystem::path& file, const TrimmedModel& m
       .add("bodies", m.surface.bodies)
       .add("regions", regions);
   report.add("file", file.string()).add("title", m.title).add("length_unit", m.length_unit).add("grid", grid);
+  report.add("cells", JsonObject()
+                          .add("total", m.num_cells())
+                          .add("split_spans", s.cells.split_spans)
+                          .add("components", s.cells.components));
   report.add("spans", spans)
       .add("points", points)
       .add("volume", volume)

@@ -212,13 +212,12 @@ void visit_tables(const TrimmedModel& model, const TableVisitor& visit) {
   });
   visit(surface);
 
-  CsvTable spans("spans", model.cells.span.size());
-  whole(spans, "span", model.cells.span).add("state", [&](std::size_t row) -> std::string {
-    const auto state = static_cast<SpanState>(model.state[static_cast<std::size_t>(model.cells.span[row])]);
-    return state == SpanState::Interior ? "interior" : "trimmed";
+  CsvTable cells("cells", model.num_cells());
+  whole(cells, "span", model.cells.span).add("state", [&](std::size_t row) -> std::string {
+    return model.is_interior(row) ? "interior" : "trimmed";
   });
-  spans.numbers("volume_fraction", "1", model.cells.volume_fraction);
-  visit(spans);
+  cells.numbers("volume_fraction", "1", model.cells.volume_fraction);
+  visit(cells);
 
   CsvTable functions("functions", model.functions.number.size());
   whole(functions, "function", model.functions.number).numbers("mass_fraction", "1", model.functions.mass_fraction);

@@ -14,9 +14,10 @@ ModelSummary summarise(const TrimmedModel& model) {
       ++s.interior;
       s.interior_points += count;
     } else {
-      ++s.trimmed;
+      s.trimmed += a == 0 || model.cells.span[a] != model.cells.span[a - 1];
     }
   }
+  s.cells = count_cells(model);
   s.exterior = model.grid.num_spans() - s.interior - s.trimmed;
   for (std::size_t q = 0; q < model.points.weights.size(); ++q) {
     s.volume += model.points.weights[q];

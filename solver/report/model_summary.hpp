@@ -16,6 +16,7 @@ struct RegionSummary {
 
 struct ModelSummary {
   std::int64_t interior = 0, trimmed = 0, exterior = 0; ///< spans by state
+  CellCounts cells;
   std::int64_t points = 0, interior_points = 0, surface_points = 0;
   std::int64_t light_functions = 0;
   double lightest = 1; ///< smallest mass fraction
