@@ -1,5 +1,6 @@
 #include "preprocessor/connectivity/piece_graph.hpp"
 
+#include "format/model/model_check.hpp"
 #include "format/model/span_state.hpp"
 #include "format/model/vec3.hpp"
 #include "preprocessor/connectivity/span_splitter.hpp"
@@ -96,7 +97,8 @@ class Finder {
  public:
   Finder(const SplineGrid& grid, const Trimming& trimming, const TrimOptions& options)
       : grid_(grid), trimming_(trimming), options_(options), depth_(sliver_depth(grid, options)),
-        touched_(trimming.pieces.spans.size()), splitters_([&] { return SpanSplitter(grid, trimming); }) {}
+        rounding_(detail::volume_rounding(grid)), touched_(trimming.pieces.spans.size()),
+        splitters_([&] { return SpanSplitter(grid, trimming); }) {}
 
   PieceGraph run() {
     tbb::parallel_for(std::size_t{0}, touched_.size(), [&](std::size_t t) {
@@ -168,7 +170,7 @@ class Finder {
     std::int32_t count = 0;
     for (std::size_t k = 0; k < out.pieces.size(); ++k) {
       SplitPiece& piece = out.pieces[k];
-      const bool counts = !piece.sliver && piece.fraction > 0 && piece.fraction >= options_.min_fraction;
+      const bool counts = !piece.sliver && piece.fraction > rounding_ && piece.fraction >= options_.min_fraction;
       if (whole ? k == largest : counts) piece.number = count++;
     }
     if (count == 0) out.pieces[largest].number = count++;
@@ -199,7 +201,7 @@ class Finder {
                                   piece.fraction, piece.faces, piece.polygons, piece.bounds});
         } else {
           graph_.left_out.push_back(
-              {static_cast<std::int64_t>(a), piece.fraction, !piece.sliver && piece.fraction > 0});
+              {static_cast<std::int64_t>(a), piece.fraction, !piece.sliver && piece.fraction > rounding_});
         }
       }
     }
@@ -306,6 +308,7 @@ class Finder {
   const Trimming& trimming_;
   const TrimOptions& options_;
   double depth_;
+  double rounding_; // of a volume, in span volumes: a piece of no more is none
   std::vector<TouchedSpan> touched_;
   tbb::enumerable_thread_specific<SpanSplitter> splitters_;
   PieceGraph graph_;
