@@ -6,9 +6,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <gtest/gtest.h>
 #include <numbers>
 #include <set>
+#include <tbb/global_control.h>
 
 namespace iga::prep {
 namespace {
@@ -176,12 +178,71 @@ TEST(Cells, ForkOfAnyGap) {
       EXPECT_EQ(s.cells.components, 1);
       EXPECT_EQ(s.cells.unclear_spans, 0);
       EXPECT_GT(s.cells.copied_functions, 0);
-      printf("%s %g: cells %zu pieces %ld split %ld copied %ld of %zu\n", name, size, s.trimming.active.size(),
-             s.cells.pieces, s.cells.split_spans, s.cells.copied_functions, s.cells.function.size());
       expect_same_moments(grid, s);
       expect_connected_copies(grid, s);
     }
   }
+}
+
+TEST(Cells, OfSharedPartsAddUpToTheirSpans) {
+  if (shared_part("valid").empty()) GTEST_SKIP() << "the shared parts are not there; set IGA_SHARED_DIR";
+  int parts = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(shared_part("valid"))) {
+    const std::string name = entry.path().filename().string();
+    const TriangleMesh mesh = read_stl(entry.path(), weld_of(name));
+    if (mesh.triangles.empty()) continue;
+    SCOPED_TRACE(name);
+    for (const int degree : {1, 2, 3}) {
+      const SplineGrid grid = grid_with(mesh, 11, degree);
+      const Split s = split(grid, mesh);
+      if (s.whole.worst_leak > 1e-9) continue; // not closed
+      EXPECT_EQ(s.cells.unclear_spans, 0);
+      expect_same_moments(grid, s);
+      expect_connected_copies(grid, s);
+    }
+    ++parts;
+  }
+  EXPECT_GT(parts, 20);
+}
+
+TEST(Cells, ThinWallsWithThinGaps) {
+  // Sheets of a thousandth of a span, a hundredth apart, turned: every span holds several.
+  std::vector<TriangleMesh> sheets;
+  for (int k = 0; k < 5; ++k) sheets.push_back(box({0, 0, 0.055 * k}, {20, 20, 0.055 * k + 0.005}));
+  const TriangleMesh mesh = transformed(join(sheets), rotation(21, 33), {0.1, 0.2, 0.3});
+  for (int degree = 1; degree <= 4; ++degree) {
+    const SplineGrid grid = grid_around(mesh, 5, degree, 0.21);
+    const Split s = split(grid, mesh);
+    EXPECT_EQ(s.cells.components, 5);
+    EXPECT_EQ(s.cells.unclear_spans, 0);
+    expect_same_moments(grid, s);
+    expect_connected_copies(grid, s);
+  }
+}
+
+TEST(Cells, SlitThatEndsInsideIsOneBody) {
+  const TriangleMesh mesh = prism({{0, 0}, {9, 0}, {9, 20}, {9.5, 20}, {9.5, 0}, {20, 0}, {20, 40}, {0, 40}},
+                                  {{0, 1, 2}, {0, 2, 7}, {2, 3, 7}, {3, 6, 7}, {3, 4, 5}, {3, 5, 6}}, 0, 10);
+  const SplineGrid grid = grid_around(mesh, 4, 2, 0.3);
+  const Split s = split(grid, mesh);
+  EXPECT_EQ(s.cells.components, 1);
+  EXPECT_EQ(s.cells.unclear_spans, 0);
+  EXPECT_GT(s.cells.pieces, static_cast<std::int64_t>(s.trimming.active.size())); // at the slit's end they see the same
+  EXPECT_GT(s.cells.copied_functions, 0);
+  expect_same_moments(grid, s);
+  expect_connected_copies(grid, s);
+}
+
+TEST(Cells, DoNotDependOnTheNumberOfThreads) {
+  const TriangleMesh mesh = transformed(two_blocks(0.01), rotation(13, 9), {1, 2, 3});
+  const SplineGrid grid = grid_around(mesh, 2, 2, 0.37);
+  const Split many = split(grid, mesh);
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const Split single = split(grid, mesh);
+  EXPECT_EQ(many.cells.functions, single.cells.functions);
+  EXPECT_EQ(many.cells.function, single.cells.function);
+  EXPECT_EQ(many.trimming.fraction, single.trimming.fraction);
+  EXPECT_EQ(many.trimming.pieces.vertices, single.trimming.pieces.vertices);
 }
 
 } // namespace

@@ -1,0 +1,104 @@
+// Spaces on cells: copies of functions on either side of a gap that lies within one span.
+#include "solver/mechanics/rigid_modes.hpp"
+#include "solver/space/cell_choice.hpp"
+#include "solver/space/light_functions.hpp"
+#include "solver/space/locate.hpp"
+#include "tests/embed/surfaces.hpp"
+#include "tests/solver/trimmed_part.hpp"
+
+#include <gtest/gtest.h>
+#include <numeric>
+
+namespace iga::solve {
+namespace {
+
+using namespace iga::test;
+
+TrimmedModel two_blocks(int degree) {
+  const TriangleMesh mesh =
+      transformed(join({box({0, 0, 0}, {20, 20, 14.37}), box({0, 0, 14.38}, {20, 20, 30})}), rotation(13, 9), {});
+  PartOptions options;
+  options.span_size = 6;
+  options.degree = degree;
+  options.shift = 0.37;
+  return make_part(mesh, options);
+}
+
+// Connected part of each cell.
+std::vector<std::int32_t> parts_of(const TrimmedModel& model) {
+  std::vector<std::int32_t> part(model.num_cells());
+  std::iota(part.begin(), part.end(), 0);
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (std::size_t l = 0; l < model.links.cells.size(); l += 2) {
+      auto& a = part[static_cast<std::size_t>(model.links.cells[l])];
+      auto& b = part[static_cast<std::size_t>(model.links.cells[l + 1])];
+      changed = changed || a != b;
+      a = b = std::min(a, b);
+    }
+  }
+  return part;
+}
+
+class CellsOfTwoBlocks : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Degrees, CellsOfTwoBlocks, testing::Values(1, 2, 3, 4));
+
+TEST_P(CellsOfTwoBlocks, AreSoundAndMoveApart) {
+  const TrimmedModel model = two_blocks(GetParam());
+  for (const std::string& problem : check(model)) ADD_FAILURE() << problem;
+  EXPECT_EQ(count_cells(model).components, 2);
+  EXPECT_GT(count_cells(model).split_spans, 0);
+  const SolutionSpace space(model, {LightFunctions::DegreeP, 1e-3});
+  EXPECT_EQ(separate_bodies(space).count, 2);
+}
+
+TEST_P(CellsOfTwoBlocks, LightFunctionsFollowTheirOwnSide) {
+  const TrimmedModel model = two_blocks(GetParam());
+  const auto part = parts_of(model);
+  std::vector<std::int32_t> part_of_function(model.functions.number.size(), -1);
+  for (std::size_t c = 0; c < model.num_cells(); ++c)
+    for (const std::int32_t f : model.functions_of(c)) {
+      auto& own = part_of_function[static_cast<std::size_t>(f)];
+      EXPECT_TRUE(own < 0 || own == part[c]);
+      own = part[c];
+    }
+  const LightFunctionPlan plan = plan_light_functions(model, {LightFunctions::DegreeP, 0.05});
+  EXPECT_FALSE(plan.slaves.empty());
+  for (const Slave& slave : plan.slaves)
+    for (const auto& [master, weight] : slave.masters)
+      EXPECT_EQ(part_of_function[static_cast<std::size_t>(master)],
+                part_of_function[static_cast<std::size_t>(slave.function)]);
+}
+
+TEST_P(CellsOfTwoBlocks, FunctionsAddUpToOneInEveryCell) {
+  const TrimmedModel model = two_blocks(GetParam());
+  const SolutionSpace space(model, {LightFunctions::Linear, 0.01});
+  SpanShapes shapes;
+  for (std::int64_t c = 0; c < space.num_cells(); ++c) {
+    evaluate(space, c, span_parameters(model, c), Shapes::Values, shapes);
+    for (Eigen::Index q = 0; q < shapes.values.rows(); ++q) EXPECT_NEAR(shapes.values.row(q).sum(), 1, 1e-10);
+  }
+}
+
+TEST_P(CellsOfTwoBlocks, PlacesBelongToTheBlockTheyLieIn) {
+  const TrimmedModel model = two_blocks(GetParam());
+  const auto part = parts_of(model);
+  // Every quadrature point of the solid and of its surface finds its own cell.
+  for (std::size_t c = 0; c < model.num_cells(); ++c) {
+    for (const auto& list : {span_parameters(model, static_cast<std::int64_t>(c)),
+                             surface_parameters(model, static_cast<std::int64_t>(c))})
+      for (std::size_t q = 0; q < list.size(); q += 3)
+        EXPECT_EQ(part[choose_cell(model, model.cells.span[c], {list[q], list[q + 1], list[q + 2]})], part[c]);
+  }
+  for (const double z : {14.36, 14.39}) {
+    const TriangleMesh at = transformed(box({10, 10, z}, {11, 11, 20}), rotation(13, 9), {});
+    const LocatedPoint found = locate(model, at.vertices[0], "probe");
+    const LocatedPoint far = locate(
+        model, transformed(box({10, 10, z < 14.375 ? 3.0 : 27.0}, {11, 11, 28}), rotation(13, 9), {}).vertices[0],
+        "probe");
+    EXPECT_EQ(part[static_cast<std::size_t>(found.span)], part[static_cast<std::size_t>(far.span)]) << z;
+  }
+}
+
+} // namespace
+} // namespace iga::solve
