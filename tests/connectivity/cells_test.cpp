@@ -227,9 +227,21 @@ TEST(Cells, SlitThatEndsInsideIsOneBody) {
   const Split s = split(grid, mesh);
   EXPECT_EQ(s.cells.components, 1);
   EXPECT_EQ(s.cells.unclear_spans, 0);
-  EXPECT_GT(s.cells.pieces, static_cast<std::int64_t>(s.trimming.active.size())); // at the slit's end they see the same
   EXPECT_GT(s.cells.copied_functions, 0);
   expect_same_moments(grid, s);
+  expect_connected_copies(grid, s);
+}
+
+TEST(Cells, PiecesThatSeeTheSameFunctionsAreOne) {
+  // A flat cavity that is only just longer than a span: what it parts is connected in every support around it.
+  const TriangleMesh mesh = join({box({1, 1, 1}, {59, 59, 59}), flipped(box({28, 12, 33}, {42, 47, 34}))});
+  const SplineGrid grid({0, 0, 0}, {60, 60, 60}, {6, 6, 6}, {2, 2, 2});
+  const Split s = split(grid, mesh);
+  EXPECT_GT(s.cells.pieces, static_cast<std::int64_t>(s.trimming.active.size()));
+  EXPECT_EQ(s.cells.split_spans, 0);
+  EXPECT_EQ(s.cells.copied_functions, 0);
+  EXPECT_EQ(s.trimming.touched_fraction, s.whole.touched_fraction);
+  EXPECT_EQ(s.trimming.pieces.vertices, s.whole.pieces.vertices);
   expect_connected_copies(grid, s);
 }
 
