@@ -245,6 +245,99 @@ TEST(Cells, PiecesThatSeeTheSameFunctionsAreOne) {
   expect_connected_copies(grid, s);
 }
 
+// A tube of `around` × `across` quadrilaterals, closed on itself: about z.
+TriangleMesh torus(double major, double minor, std::int32_t around, std::int32_t across) {
+  TriangleMesh m;
+  for (std::int32_t i = 0; i < around; ++i)
+    for (std::int32_t j = 0; j < across; ++j) {
+      const double a = 2 * std::numbers::pi * i / around, b = 2 * std::numbers::pi * j / across;
+      const double r = major + minor * std::cos(b);
+      m.vertices.push_back({r * std::cos(a), r * std::sin(a), minor * std::sin(b)});
+    }
+  const auto at = [&](std::int32_t i, std::int32_t j) { return i % around * across + j % across; };
+  for (std::int32_t i = 0; i < around; ++i)
+    for (std::int32_t j = 0; j < across; ++j) {
+      m.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+      m.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+  m.region.assign(m.triangles.size(), 0);
+  m.region_names = {"ring"};
+  return m;
+}
+
+TEST(Cells, ChainOfLooseRings) {
+  std::vector<TriangleMesh> rings;
+  for (int k = 0; k < 4; ++k) {
+    TriangleMesh ring = torus(10, 2, 48, 16);
+    if (k % 2)
+      for (Point3& v : ring.vertices) v = {v[0], v[2], -v[1]};
+    rings.push_back(transformed(ring, identity_rotation, {14.0 * k, 0, 0}));
+  }
+  const TriangleMesh chain = transformed(join(rings), rotation(17, 29), {0.3, 0.4, 0.5});
+  for (const double size : {9.0, 4.0, 1.5})
+    for (int degree = 1; degree <= 3; ++degree) {
+      const SplineGrid grid = grid_around(chain, size, degree, 0.4);
+      const Split s = split(grid, chain);
+      EXPECT_EQ(s.cells.components, 4) << size << " p" << degree;
+      EXPECT_EQ(s.cells.unclear_spans, 0);
+      expect_same_moments(grid, s);
+      expect_connected_copies(grid, s);
+    }
+}
+
+// Prism of a regular polygon, or the ring between two of them.
+TriangleMesh ring_prism(double inner, double outer, double z0, double z1, std::int32_t n) {
+  TriangleMesh m;
+  for (const double r : {inner, outer})
+    for (const double z : {z0, z1})
+      for (std::int32_t i = 0; i < n; ++i) {
+        const double a = 2 * std::numbers::pi * i / n;
+        m.vertices.push_back({r * std::cos(a), r * std::sin(a), z});
+      }
+  const auto quad = [&](std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d) {
+    m.triangles.push_back({a, b, c});
+    m.triangles.push_back({a, c, d});
+  };
+  for (std::int32_t i = 0; i < n; ++i) {
+    const std::int32_t k = (i + 1) % n;
+    quad(2 * n + i, 2 * n + k, 3 * n + k, 3 * n + i); // outside
+    quad(k, i, n + i, n + k);                         // bore
+    quad(n + i, 3 * n + i, 3 * n + k, n + k);         // top
+    quad(i, k, 2 * n + k, 2 * n + i);                 // bottom
+  }
+  m.region.assign(m.triangles.size(), 0);
+  m.region_names = {"ring"};
+  return m;
+}
+
+TEST(Cells, HingeWithPlay) {
+  // A pin of radius 5 (a thick tube) in an eye with 0.2 of play: one gap runs around inside of every span it meets.
+  const TriangleMesh hinge = transformed(join({ring_prism(1, 5, -12, 12, 40), ring_prism(5.2, 9, -8, 8, 40)}),
+                                         rotation(11, 23), {0.1, 0.2, 0.3});
+  for (const double size : {6.0, 3.0})
+    for (int degree = 1; degree <= 4; ++degree) {
+      const SplineGrid grid = grid_around(hinge, size, degree, 0.3);
+      const Split s = split(grid, hinge);
+      EXPECT_EQ(s.cells.components, 2) << size << " p" << degree;
+      EXPECT_EQ(s.cells.unclear_spans, 0);
+      expect_same_moments(grid, s);
+      expect_connected_copies(grid, s);
+    }
+}
+
+TEST(Cells, BoreWithinAFaceIsNoGap) {
+  // A bore much thinner than the spans: its traces are loops inside of faces.
+  const TriangleMesh tube = ring_prism(0.5, 12, -10, 10, 24);
+  for (const double shift : {0.0, 0.31}) {
+    const SplineGrid grid = grid_around(tube, 6, 2, shift);
+    const Split s = split(grid, tube);
+    EXPECT_EQ(s.cells.components, 1);
+    EXPECT_EQ(s.cells.unclear_spans, 0);
+    EXPECT_EQ(s.cells.copied_functions, 0);
+    expect_connected_copies(grid, s);
+  }
+}
+
 TEST(Cells, DoNotDependOnTheNumberOfThreads) {
   const TriangleMesh mesh = transformed(two_blocks(0.01), rotation(13, 9), {1, 2, 3});
   const SplineGrid grid = grid_around(mesh, 2, 2, 0.37);
