@@ -1,4 +1,5 @@
 // Which functions each cell sees, that copies and links agree, and the functions' mass fractions.
+#include "format/model/disjoint_sets.hpp"
 #include "format/model/model_check.hpp"
 
 #include <algorithm>
@@ -74,54 +75,42 @@ class CopyCheck {
     return kind_.empty();
   }
 
-  // A copy's cells under its links: one set each. Cells and functions meet in pairs, sorted by function.
+  // A copy's cells under its links: one set each.
   void join_cells() {
-    std::vector<std::pair<std::int32_t, std::int32_t>> pairs; // function, cell
-    pairs.reserve(m_.cells.functions.size());
-    for (std::size_t c = 0; c < m_.num_cells(); ++c)
-      for (const std::int32_t f : m_.functions_of(c)) pairs.emplace_back(f, static_cast<std::int32_t>(c));
-    std::sort(pairs.begin(), pairs.end());
-    std::vector<std::int64_t> sets(m_.functions.number.size(), 0); // cells of a function less joins among them
-    std::vector<std::int32_t> parent(pairs.size());
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-      parent[i] = static_cast<std::int32_t>(i);
-      ++sets[static_cast<std::size_t>(pairs[i].first)];
-    }
-    const auto root = [&](std::size_t i) {
-      while (parent[i] != static_cast<std::int32_t>(i)) {
-        parent[i] = parent[static_cast<std::size_t>(parent[i])];
-        i = static_cast<std::size_t>(parent[i]);
-      }
-      return i;
-    };
+    const FunctionCells by_function = cells_by_function(m_);
+    std::vector<std::int32_t> sets =
+        lone_sets(by_function.cells.size()); // one element for each pair of function and cell
     const auto place = [&](std::int32_t f, std::int64_t cell) {
-      const auto it = std::lower_bound(pairs.begin(), pairs.end(), std::pair(f, static_cast<std::int32_t>(cell)));
-      return static_cast<std::size_t>(it - pairs.begin());
+      const auto own = by_function.of(f);
+      const auto at = std::lower_bound(own.begin(), own.end(), static_cast<std::int32_t>(cell)) - own.begin();
+      return static_cast<std::int32_t>(by_function.first[static_cast<std::size_t>(f)]) + static_cast<std::int32_t>(at);
     };
+    const auto p = m_.grid.degree();
     for (std::size_t l = 0; l < num_links(); ++l) {
       const auto a = m_.functions_of(static_cast<std::size_t>(low(l))),
                  b = m_.functions_of(static_cast<std::size_t>(high(l)));
-      for (const std::int32_t f : a) {
-        const std::int64_t number = m_.functions.number[static_cast<std::size_t>(f)];
-        const auto same = std::find_if(b.begin(), b.end(), [&](std::int32_t g) {
-          return m_.functions.number[static_cast<std::size_t>(g)] == number;
-        });
-        if (same == b.end()) continue;
-        if (*same != f) {
+      // The functions that reach both spans: all but the first ones of the lower span along the way to the higher.
+      const Index3 from = span(low(l)), to = span(high(l));
+      std::size_t stride = 1, axis = 0;
+      for (; from[axis] == to[axis]; ++axis) stride *= static_cast<std::size_t>(p[axis] + 1);
+      for (std::size_t k = 0; k < a.size(); ++k) {
+        if (k / stride % static_cast<std::size_t>(p[axis] + 1) == 0) continue;
+        const std::int32_t f = a[k], other = b[k - stride];
+        if (other != f)
           links_.add("cells {} and {} see different copies ({}, {}) of the B-spline {}, which reaches both", low(l),
-                     high(l), f, *same, number);
-          continue;
-        }
-        const std::size_t x = root(place(f, low(l))), y = root(place(f, high(l)));
-        if (x == y) continue;
-        parent[std::max(x, y)] = static_cast<std::int32_t>(std::min(x, y));
-        --sets[static_cast<std::size_t>(f)];
+                     high(l), f, other, m_.functions.number[static_cast<std::size_t>(f)]);
+        else
+          join_sets(sets, place(f, low(l)), place(f, high(l)));
       }
     }
-    for (std::size_t f = 0; f < sets.size(); ++f)
-      if (sets[f] != 1)
+    for (std::size_t f = 0; f < m_.functions.number.size(); ++f) {
+      std::int64_t groups = 0;
+      for (std::size_t i = by_function.first[f]; i < by_function.first[f + 1]; ++i)
+        groups += sets[i] == static_cast<std::int32_t>(i);
+      if (groups != 1)
         kind_.add("function {} lies on {} groups of cells that no links inside its support join, expected one", f,
-                  sets[f]);
+                  groups);
+    }
   }
 
   const TrimmedModel& m_;

@@ -75,10 +75,9 @@ VolumeMoments volume_moments(const TriangleMesh& mesh) {
   return m;
 }
 
-Point3 way_to_triangle(const TriangleMesh& mesh, std::size_t t, const Point3& x) {
-  const Triangle& triangle = mesh.triangles[t];
-  const Point3& origin = corner(mesh, triangle, 0);
-  const Point3 n = cross(minus(corner(mesh, triangle, 1), origin), minus(corner(mesh, triangle, 2), origin));
+Point3 way_to_triangle(const std::array<Point3, 3>& corners, const Point3& x) {
+  const Point3& origin = corners[0];
+  const Point3 n = cross(minus(corners[1], origin), minus(corners[2], origin));
   bool above = true;
   Point3 nearest{};
   double least = std::numeric_limits<double>::infinity();
@@ -89,8 +88,8 @@ Point3 way_to_triangle(const TriangleMesh& mesh, std::size_t t, const Point3& x)
     }
   };
   for (std::size_t i = 0; i < 3; ++i) {
-    const Point3& a = corner(mesh, triangle, i);
-    const Point3 ab = minus(corner(mesh, triangle, (i + 1) % 3), a), ax = minus(x, a);
+    const Point3& a = corners[i];
+    const Point3 ab = minus(corners[(i + 1) % 3], a), ax = minus(x, a);
     above = above && dot(cross(ab, ax), n) >= 0;
     const double length2 = dot(ab, ab);
     const double along = length2 > 0 ? std::clamp(dot(ax, ab) / length2, 0.0, 1.0) : 0;
@@ -104,9 +103,29 @@ Point3 way_to_triangle(const TriangleMesh& mesh, std::size_t t, const Point3& x)
   return nearest;
 }
 
+Point3 way_to_triangle(const TriangleMesh& mesh, std::size_t t, const Point3& x) {
+  const Triangle& triangle = mesh.triangles[t];
+  return way_to_triangle({corner(mesh, triangle, 0), corner(mesh, triangle, 1), corner(mesh, triangle, 2)}, x);
+}
+
 double distance_to_triangle(const TriangleMesh& mesh, std::size_t t, const Point3& x) {
   const Point3 way = way_to_triangle(mesh, t, x);
   return std::sqrt(dot(way, way));
+}
+
+double distance_to_polygon(std::span<const Point3> polygon, const Point3& x) {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t a = 1; a + 1 < polygon.size(); ++a) {
+    const Point3 way = way_to_triangle({polygon[0], polygon[a], polygon[a + 1]}, x);
+    least = std::min(least, std::sqrt(dot(way, way)));
+  }
+  return least;
+}
+
+double solid_angle(const std::array<Point3, 3>& corners, const Point3& x) {
+  const Point3 a = minus(corners[0], x), b = minus(corners[1], x), c = minus(corners[2], x);
+  const double la = std::sqrt(dot(a, a)), lb = std::sqrt(dot(b, b)), lc = std::sqrt(dot(c, c));
+  return 2 * std::atan2(dot(a, cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
 }
 
 } // namespace iga

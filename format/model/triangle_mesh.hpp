@@ -3,6 +3,8 @@
 
 #include "format/model/types.hpp"
 
+#include <array>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -31,7 +33,15 @@ VolumeMoments volume_moments(const TriangleMesh& mesh);
 /// Shortest way from x to the t-th triangle, length. Right to rounding for needles too, whose normal is mostly
 /// rounding.
 Point3 way_to_triangle(const TriangleMesh& mesh, std::size_t t, const Point3& x);
+Point3 way_to_triangle(const std::array<Point3, 3>& corners, const Point3& x);
 /// Length of that way.
 double distance_to_triangle(const TriangleMesh& mesh, std::size_t t, const Point3& x);
+
+/// Shortest distance of x from a convex polygon, length; infinite where it has fewer than three corners.
+double distance_to_polygon(std::span<const Point3> polygon, const Point3& x);
+
+/// Solid angle under which a triangle is seen from x, positive where x lies behind it (Van Oosterom & Strackee 1983).
+/// Over a closed surface it adds up to 4 π inside and 0 outside.
+double solid_angle(const std::array<Point3, 3>& corners, const Point3& x);
 
 } // namespace iga

@@ -1,6 +1,7 @@
 // check(TrimmedModel): shapes first, because everything else indexes by them; then states, volume, functions, surface.
 #include "format/model/trimmed_model.hpp"
 
+#include "format/model/disjoint_sets.hpp"
 #include "format/model/model_check.hpp"
 
 #include <algorithm>
@@ -116,6 +117,19 @@ bool states_fit(const TrimmedModel& m, int limit, std::vector<std::string>& prob
 
 } // namespace
 
+FunctionCells cells_by_function(const TrimmedModel& model) {
+  FunctionCells out;
+  out.first.assign(model.functions.number.size() + 1, 0);
+  for (const std::int32_t f : model.cells.functions) ++out.first[static_cast<std::size_t>(f) + 1];
+  std::partial_sum(out.first.begin(), out.first.end(), out.first.begin());
+  out.cells.resize(model.cells.functions.size());
+  std::vector<std::size_t> next(out.first.begin(), out.first.end() - 1);
+  for (std::size_t c = 0; c < model.num_cells(); ++c)
+    for (const std::int32_t f : model.functions_of(c))
+      out.cells[next[static_cast<std::size_t>(f)]++] = static_cast<std::int32_t>(c);
+  return out;
+}
+
 CellCounts count_cells(const TrimmedModel& model) {
   CellCounts counts;
   // Each run of equal numbers counts once, at its second entry.
@@ -127,22 +141,10 @@ CellCounts count_cells(const TrimmedModel& model) {
   };
   counts.split_spans = repeated(model.cells.span);
   counts.copied_functions = repeated(model.functions.number);
-  std::vector<std::int32_t> parent(model.num_cells());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](std::int32_t c) {
-    while (parent[static_cast<std::size_t>(c)] != c) {
-      auto& p = parent[static_cast<std::size_t>(c)];
-      c = p = parent[static_cast<std::size_t>(p)];
-    }
-    return c;
-  };
-  counts.components = static_cast<std::int64_t>(parent.size());
-  for (std::size_t l = 0; l + 1 < model.links.cells.size(); l += 2) {
-    const std::int32_t a = root(model.links.cells[l]), b = root(model.links.cells[l + 1]);
-    if (a == b) continue;
-    parent[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
-    --counts.components;
-  }
+  std::vector<std::int32_t> sets = lone_sets(model.num_cells());
+  for (std::size_t l = 0; l + 1 < model.links.cells.size(); l += 2)
+    join_sets(sets, model.links.cells[l], model.links.cells[l + 1]);
+  counts.components = count_sets(sets);
   return counts;
 }
 

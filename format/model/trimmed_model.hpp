@@ -125,6 +125,18 @@ struct TrimmedModel {
   }
 };
 
+/// The cells that see each function.
+struct FunctionCells {
+  std::vector<std::size_t> first;  ///< (n_f + 1)
+  std::vector<std::int32_t> cells; ///< those of function f: [first[f], first[f + 1]), ascending
+  std::span<const std::int32_t> of(std::int64_t function) const {
+    const auto f = static_cast<std::size_t>(function);
+    return std::span(cells).subspan(first[f], first[f + 1] - first[f]);
+  }
+};
+/// @pre cells.functions holds entries into functions only
+FunctionCells cells_by_function(const TrimmedModel& model);
+
 struct CellCounts {
   std::int64_t split_spans = 0;      ///< spans with several cells
   std::int64_t copied_functions = 0; ///< B-splines with several copies

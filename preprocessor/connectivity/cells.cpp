@@ -1,10 +1,8 @@
 #include "preprocessor/connectivity/cells.hpp"
 
-#include "preprocessor/base/disjoint_sets.hpp"
 #include "preprocessor/connectivity/function_copies.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 namespace iga::prep {
 
@@ -135,15 +133,6 @@ class Splitter {
   std::vector<std::uint8_t> face_state_;
 };
 
-std::int64_t count_components(const std::vector<PieceLink>& links, std::size_t num_cells) {
-  std::vector<std::int32_t> set(num_cells);
-  std::iota(set.begin(), set.end(), 0);
-  for (const PieceLink& link : links) join_sets(set, link.low, link.high);
-  std::int64_t count = 0;
-  for (std::size_t c = 0; c < num_cells; ++c) count += set[c] == static_cast<std::int32_t>(c);
-  return count;
-}
-
 } // namespace
 
 CellTable split_into_cells(const SplineGrid& grid, const TrimOptions& options, Trimming& trimming) {
@@ -157,10 +146,7 @@ CellTable split_into_cells(const SplineGrid& grid, const TrimOptions& options, T
   out.pieces = graph.first.back();
   out.unclear_spans = graph.unclear;
   out.first_unclear = graph.first_unclear;
-  out.split_spans = std::count(cells.split.begin(), cells.split.end(), 1);
   out.function = std::move(copies.number);
-  for (std::size_t f = 1; f < out.function.size(); ++f)
-    out.copied_functions += out.function[f] == out.function[f - 1] && (f < 2 || out.function[f] != out.function[f - 2]);
   if (static_cast<std::size_t>(cells.count) == cells.of_piece.size()) {
     out.functions = std::move(copies.of_piece);
     trimming.links = graph.links;
@@ -180,8 +166,7 @@ CellTable split_into_cells(const SplineGrid& grid, const TrimOptions& options, T
                     [](const PieceLink& x, const PieceLink& y) { return x.low == y.low && x.high == y.high; }),
         trimming.links.end());
   }
-  out.components = count_components(trimming.links, static_cast<std::size_t>(cells.count));
-  if (out.split_spans > 0) {
+  if (std::find(cells.split.begin(), cells.split.end(), 1) != cells.split.end()) {
     const double span_volume = grid.span_volume();
     for (const PieceGraph::LeftOut& piece : graph.left_out) {
       if (!cells.split[static_cast<std::size_t>(piece.active)]) continue;

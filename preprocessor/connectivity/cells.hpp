@@ -11,11 +11,9 @@ struct CellTable {
   std::vector<std::int64_t> function; ///< (n_f); see FunctionCopies::number
   /// (num_cells × (p_u + 1)(p_v + 1)(p_w + 1)), u fastest: entries into `function`.
   std::vector<std::int32_t> functions;
-  std::int64_t pieces = 0;           ///< before those that see the same functions were taken together
-  std::int64_t split_spans = 0;      ///< spans with several cells
-  std::int64_t copied_functions = 0; ///< B-splines with several copies
-  std::int64_t components = 0;       ///< of the cells under their links: separate bodies
-  std::int64_t unclear_spans = 0;    ///< see PieceGraph
+  std::int64_t pieces = 0; ///< before those that see the same functions were taken together; what else there is to
+                           ///< count, count_cells tells of the model
+  std::int64_t unclear_spans = 0; ///< see PieceGraph
   std::int64_t first_unclear = -1;
 };
 

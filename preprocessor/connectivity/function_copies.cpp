@@ -1,7 +1,7 @@
 #include "preprocessor/connectivity/function_copies.hpp"
 
+#include "format/model/disjoint_sets.hpp"
 #include "format/model/errors.hpp"
-#include "preprocessor/base/disjoint_sets.hpp"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>

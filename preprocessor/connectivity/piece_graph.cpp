@@ -2,8 +2,8 @@
 
 #include "format/model/model_check.hpp"
 #include "format/model/span_state.hpp"
-#include "format/model/vec3.hpp"
 #include "preprocessor/connectivity/span_splitter.hpp"
+#include "preprocessor/trim/own_moments.hpp"
 
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
@@ -49,22 +49,7 @@ double area_on_upper_u(const SplitPiece& piece) {
 }
 
 // Volume by the axis on which one of the span's faces is empty or whole, where rounding is least.
-double piece_volume(const SurfacePieces& pieces, const SplitPiece& piece, const Point3& corner) {
-  Point3 area{}, volume{}, magnitude{};
-  for (const std::int64_t q : piece.polygons) {
-    const auto polygon = pieces.polygon(q);
-    std::array<Point3, 9> v;
-    for (std::size_t a = 0; a < polygon.size(); ++a) v[a] = minus(polygon[a], corner);
-    for (std::size_t a = 1; a + 1 < polygon.size(); ++a) {
-      const Point3 n = twice_area(v[0], v[a], v[a + 1]);
-      for (std::size_t d = 0; d < 3; ++d) {
-        const double mean = (v[0][d] + v[a][d] + v[a + 1][d]) / 3;
-        area[d] += 0.5 * n[d];
-        volume[d] += 0.5 * n[d] * mean;
-        magnitude[d] += 0.5 * std::abs(n[d]) * mean;
-      }
-    }
-  }
+double piece_volume(const OwnMoments& m, const SplitPiece& piece) {
   double best = 0, error = std::numeric_limits<double>::infinity();
   const auto offer = [&](double value, double rounding) {
     if (rounding >= error) return;
@@ -75,22 +60,12 @@ double piece_volume(const SurfacePieces& pieces, const SplitPiece& piece, const 
     const FaceState low = piece.faces[2 * d], up = piece.faces[2 * d + 1];
     const double whole = up == FaceState::Full ? 1 : 0, below = low == FaceState::Full ? 1 : 0;
     if (up != FaceState::Crossed)
-      offer(volume[d] + whole, magnitude[d] + whole);
+      offer(m.volume[d] + whole, m.magnitude[d] + whole);
     else if (low != FaceState::Crossed)
-      offer(volume[d] + below - area[d], magnitude[d] + below + std::abs(area[d]));
+      offer(m.volume[d] + below - m.area[d], m.magnitude[d] + below + std::abs(m.area[d]));
   }
-  if (std::isinf(error)) offer(volume[0] + area_on_upper_u(piece), magnitude[0] + 1);
+  if (std::isinf(error)) offer(m.volume[0] + area_on_upper_u(piece), m.magnitude[0] + 1);
   return std::abs(best) <= 16 * epsilon * error ? 0 : best;
-}
-
-bool near_a_face(std::span<const Point3> polygon, const Point3& corner, double depth) {
-  std::array<double, 6> farthest{};
-  for (const Point3& xi : polygon)
-    for (std::size_t d = 0; d < 3; ++d) {
-      farthest[2 * d] = std::max(farthest[2 * d], xi[d] - corner[d]);
-      farthest[2 * d + 1] = std::max(farthest[2 * d + 1], 1 - (xi[d] - corner[d]));
-    }
-  return *std::min_element(farthest.begin(), farthest.end()) <= depth;
 }
 
 class Finder {
@@ -120,15 +95,8 @@ class Finder {
 
   void look_at(std::size_t t, SpanSplitter& splitter) {
     TouchedSpan& out = touched_[t];
-    const SurfacePieces& pieces = trimming_.pieces;
-    const Point3 low = corner(pieces.spans[t]);
-    for (std::int64_t q = pieces.offsets[t]; q < pieces.offsets[t + 1]; ++q) {
-      const auto polygon = pieces.polygon(q);
-      for (std::size_t d = 0; d < 3; ++d)
-        out.lies_in_lower[d] = out.lies_in_lower[d] || std::all_of(polygon.begin(), polygon.end(),
-                                                                   [&](const Point3& v) { return v[d] == low[d]; });
-    }
     splitter.split(t);
+    for (std::size_t d = 0; d < 3; ++d) out.lies_in_lower[d] = splitter.covers(2 * d);
     out.clear = splitter.reliable() && splitter.num_pieces() > 0;
     if (out.clear && splitter.num_pieces() > 1) out.clear = take_pieces(t, splitter, out);
     if (!out.clear) {
@@ -159,9 +127,10 @@ class Finder {
         for (const auto* list : {&splitter.traces(1), &splitter.edge_stretches(1)})
           for (const FaceTrace& b : *list)
             if (b.piece == static_cast<std::int32_t>(k)) piece.bounds.push_back({b.x0, b.y0, b.x1, b.y1});
-      for (const std::int64_t q : piece.polygons)
-        piece.sliver = piece.sliver && near_a_face(pieces.polygon(q), low, depth_);
-      piece.fraction = piece_volume(pieces, piece, low);
+      OwnMoments m;
+      for (const std::int64_t q : piece.polygons) m.add(pieces.polygon(q), low);
+      piece.sliver = m.depth <= depth_;
+      piece.fraction = piece_volume(m, piece);
       total += piece.fraction;
       if (piece.fraction > out.pieces[largest].fraction) largest = k;
     }
@@ -225,9 +194,7 @@ class Finder {
                blocks[b]);
         }
       }
-      std::sort(blocks[b].begin(), blocks[b].end(), [](const PieceLink& x, const PieceLink& y) {
-        return x.low != y.low ? x.low < y.low : x.high < y.high;
-      });
+      std::sort(blocks[b].begin(), blocks[b].end());
       blocks[b].erase(
           std::unique(blocks[b].begin(), blocks[b].end(),
                       [](const PieceLink& x, const PieceLink& y) { return x.low == y.low && x.high == y.high; }),

@@ -3,8 +3,8 @@
 // operations, as the clipping: both spans at a face must see the same bits.
 #include "preprocessor/connectivity/span_splitter.hpp"
 
+#include "format/model/disjoint_sets.hpp"
 #include "format/model/vec3.hpp"
-#include "preprocessor/base/disjoint_sets.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -103,6 +103,7 @@ void SpanSplitter::load(std::size_t touched) {
   vertices_.clear();
   first_vertex_.assign(1, 0);
   in_face_.clear();
+  covered_.fill(false);
   parent_.clear();
   void_.clear();
   for (std::int64_t q = pieces.offsets[touched]; q < pieces.offsets[touched + 1]; ++q) {
@@ -118,6 +119,7 @@ void SpanSplitter::load(std::size_t touched) {
     }
     first_vertex_.push_back(vertices_.size());
     in_face_.push_back(std::find(flat.begin(), flat.end(), true) != flat.end());
+    for (std::size_t f = 0; f < 6; ++f) covered_[f] = covered_[f] || flat[f];
     add_node();
   }
   order_.resize(vertices_.size());
@@ -294,7 +296,7 @@ void SpanSplitter::sweep(std::size_t face) {
       }
       for (; next_upright < upright.size() && upright[next_upright].x0 == x0; ++next_upright)
         at_x.push_back(upright[next_upright]);
-      join_sides(left, column, x0, at_x);
+      join_sides(left, column, at_x);
     }
     trapezoids_[face].insert(trapezoids_[face].end(), column.begin(), column.end());
     left.swap(column);
@@ -303,7 +305,7 @@ void SpanSplitter::sweep(std::size_t face) {
 }
 
 // Trapezoids on either side of an abscissa, joined where they share more than upright traces.
-void SpanSplitter::join_sides(const std::vector<Trapezoid>& left, const std::vector<Trapezoid>& right, double,
+void SpanSplitter::join_sides(const std::vector<Trapezoid>& left, const std::vector<Trapezoid>& right,
                               const std::vector<FaceTrace>& upright) {
   std::size_t l = 0, r = 0;
   while (l < left.size() && r < right.size()) {
@@ -450,16 +452,11 @@ std::int32_t SpanSplitter::piece_around(std::size_t cavity, const std::vector<st
   for (std::size_t q = 0; q < known.size(); ++q) {
     if (known[q] < 0) continue;
     Surroundings& s = pieces[static_cast<std::size_t>(known[q])];
-    const Point3 a = vertices_[first_vertex_[q]];
-    for (std::size_t v = first_vertex_[q] + 1; v + 1 < first_vertex_[q + 1]; ++v) {
-      const TriangleMesh facet{{a, vertices_[v], vertices_[v + 1]}, {{0, 1, 2}}, {}, {}};
-      s.distance = std::min(s.distance, distance_to_triangle(facet, 0, x));
-      s.volume += dot(a, cross(vertices_[v], vertices_[v + 1])) / 6;
-      // Solid angle (Van Oosterom & Strackee 1983).
-      const Point3 ra = minus(a, x), rb = minus(vertices_[v], x), rc = minus(vertices_[v + 1], x);
-      const double la = norm(ra), lb = norm(rb), lc = norm(rc);
-      s.angle +=
-          2 * std::atan2(dot(ra, cross(rb, rc)), la * lb * lc + dot(ra, rb) * lc + dot(rb, rc) * la + dot(rc, ra) * lb);
+    const std::span<const Point3> polygon(vertices_.data() + first_vertex_[q], first_vertex_[q + 1] - first_vertex_[q]);
+    s.distance = std::min(s.distance, distance_to_polygon(polygon, x));
+    for (std::size_t v = 1; v + 1 < polygon.size(); ++v) {
+      s.volume += dot(polygon[0], cross(polygon[v], polygon[v + 1])) / 6;
+      s.angle += solid_angle({polygon[0], polygon[v], polygon[v + 1]}, x);
     }
   }
   std::int32_t best = -1;

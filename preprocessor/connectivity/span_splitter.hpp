@@ -35,6 +35,8 @@ class SpanSplitter {
   /// False where the surface leaks or overlaps in the span: then the pieces mean nothing.
   bool reliable() const { return reliable_; }
   std::int32_t num_pieces() const { return num_pieces_; }
+  /// Does a polygon lie in a face of the span?
+  bool covers(std::size_t face) const { return covered_[face]; }
   /// Piece of each polygon of the span; -1 for one in a face of the span.
   std::span<const std::int32_t> polygon_pieces() const { return polygon_piece_; }
   /// What a piece shows on a face (u-, u+, v-, v+, w-, w+); an area, not a touch.
@@ -64,7 +66,7 @@ class SpanSplitter {
   void add_edge_nodes();
   void block_edge(std::size_t edge, double from, double to, bool low_axis_side, std::int32_t polygon);
   void sweep(std::size_t face);
-  void join_sides(const std::vector<Trapezoid>& left, const std::vector<Trapezoid>& right, double x,
+  void join_sides(const std::vector<Trapezoid>& left, const std::vector<Trapezoid>& right,
                   const std::vector<FaceTrace>& upright);
   void join_edge(std::size_t face, std::size_t edge, const std::vector<Trapezoid>& column, bool at_start);
   void collect();
@@ -86,6 +88,7 @@ class SpanSplitter {
   std::vector<std::size_t> first_vertex_; // (polygons + 1)
   std::vector<std::int32_t> vertex_;      // number of each vertex; equal bits, equal numbers
   std::vector<std::uint8_t> in_face_;     // polygons that lie in a face
+  std::array<bool, 6> covered_{};         // faces of the span that they lie in
   std::vector<std::int32_t> order_;
   std::vector<Edge> edges_;
   std::array<std::vector<FaceTrace>, 6> traces_, edge_stretches_;

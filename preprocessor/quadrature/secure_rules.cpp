@@ -1,5 +1,5 @@
 // From the interior outward: which spans are sure to move rigidly when no point sees a strain.
-#include "preprocessor/base/disjoint_sets.hpp"
+#include "format/model/disjoint_sets.hpp"
 #include "preprocessor/quadrature/trimmed_rules.hpp"
 #include "preprocessor/reduce/kept_stiffness.hpp"
 #include "preprocessor/reduce/span_reduction.hpp"

@@ -4,7 +4,7 @@
 #include "preprocessor/surface/surface_arrangement.hpp"
 
 #include "format/io/interrupt.hpp"
-#include "preprocessor/base/disjoint_sets.hpp"
+#include "format/model/disjoint_sets.hpp"
 
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>

@@ -1,6 +1,6 @@
 #include "preprocessor/surface/surface_regions.hpp"
 
-#include "preprocessor/base/disjoint_sets.hpp"
+#include "format/model/disjoint_sets.hpp"
 #include "preprocessor/surface/surface_topology.hpp"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #include "preprocessor/surface/surface_shells.hpp"
 
-#include "preprocessor/base/disjoint_sets.hpp"
+#include "format/model/disjoint_sets.hpp"
 
 #include <algorithm>
 #include <cmath>

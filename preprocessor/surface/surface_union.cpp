@@ -1,7 +1,7 @@
 #include "preprocessor/surface/surface_union.hpp"
 
 #include "format/io/interrupt.hpp"
-#include "preprocessor/base/disjoint_sets.hpp"
+#include "format/model/disjoint_sets.hpp"
 #include "preprocessor/surface/surface_arrangement.hpp"
 #include "preprocessor/surface/surface_weld.hpp"
 

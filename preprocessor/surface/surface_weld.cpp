@@ -1,6 +1,6 @@
 #include "preprocessor/surface/surface_weld.hpp"
 
-#include "preprocessor/base/disjoint_sets.hpp"
+#include "format/model/disjoint_sets.hpp"
 #include "preprocessor/base/spatial_bin.hpp"
 
 #include <algorithm>

@@ -18,15 +18,6 @@ constexpr double same_distance = 1e-9;
 // near.
 constexpr std::int64_t max_shell = 6;
 
-double distance_to_polygon(std::span<const Point3> polygon, const Point3& xi) {
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t a = 1; a + 1 < polygon.size(); ++a) {
-    const TriangleMesh facet{{polygon[0], polygon[a], polygon[a + 1]}, {{0, 1, 2}}, {}, {}};
-    least = std::min(least, distance_to_triangle(facet, 0, xi));
-  }
-  return least;
-}
-
 } // namespace
 
 struct SpanOwner::Choice {

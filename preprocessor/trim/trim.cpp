@@ -5,7 +5,7 @@
 
 #include "format/model/model_check.hpp"
 #include "format/model/span_state.hpp"
-#include "format/model/vec3.hpp"
+#include "preprocessor/trim/own_moments.hpp"
 
 #include <tbb/parallel_for.h>
 
@@ -18,54 +18,6 @@ namespace iga::prep {
 namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
-
-/// First-order moments of a span's own pieces along the three axes, relative to the span's lower corner.
-struct OwnMoments {
-  Point3 area{};                 ///< Σ ∫ n_d dA: net projected area
-  Point3 volume{};               ///< Σ ∫ (ξ_d - i_d) n_d dA
-  Point3 magnitude{};            ///< Σ |…| of the same, for the rounding bound
-  Point3 far_area{};             ///< as area, but without pieces flat on the lower face along d
-  std::array<bool, 6> touches{}; ///< a piece that is not flat on a lower face reaches this face of the span
-  bool sliver = true;            ///< every piece stays close to a face
-};
-
-OwnMoments own_moments(const SurfacePieces& pieces, std::int64_t first, std::int64_t last, const Point3& corner,
-                       double sliver_tolerance) {
-  OwnMoments m;
-  for (std::int64_t q = first; q < last; ++q) {
-    const auto polygon = pieces.polygon(q);
-    std::array<double, 6> depth{}; // largest distance of a vertex from each face
-    std::array<bool, 6> touches{};
-    std::array<Point3, 9> v;
-    for (std::size_t a = 0; a < polygon.size(); ++a)
-      for (std::size_t d = 0; d < 3; ++d) {
-        v[a][d] = polygon[a][d] - corner[d];
-        depth[2 * d] = std::max(depth[2 * d], v[a][d]);
-        depth[2 * d + 1] = std::max(depth[2 * d + 1], 1 - v[a][d]);
-        touches[2 * d] |= v[a][d] == 0;
-        touches[2 * d + 1] |= v[a][d] == 1;
-      }
-    m.sliver = m.sliver && *std::min_element(depth.begin(), depth.end()) <= sliver_tolerance;
-    std::array<double, 3> area{};
-    for (std::size_t a = 1; a + 1 < polygon.size(); ++a) {
-      const Point3 n = twice_area(v[0], v[a], v[a + 1]);
-      for (std::size_t d = 0; d < 3; ++d) {
-        const double mean = (v[0][d] + v[a][d] + v[a + 1][d]) / 3;
-        area[d] += 0.5 * n[d];
-        m.volume[d] += 0.5 * n[d] * mean;
-        m.magnitude[d] += 0.5 * std::abs(n[d]) * mean;
-      }
-    }
-    const bool flat = depth[0] == 0 || depth[2] == 0 || depth[4] == 0;
-    for (std::size_t d = 0; d < 3; ++d) {
-      m.area[d] += area[d];
-      if (!flat) m.far_area[d] += area[d];
-    }
-    if (!flat)
-      for (std::size_t f = 0; f < 6; ++f) m.touches[f] |= touches[f];
-  }
-  return m;
-}
 
 /// Spans of one row (fixed j, k): touched spans [first, last), and the interior runs between them.
 struct Row {
@@ -175,7 +127,8 @@ Trimming trim(const SplineGrid& grid, const TriangleMesh& mesh, const TrimOption
       next = span;
       const Index3 ijk = grid.span_index(span);
       const Point3 corner{static_cast<double>(ijk[0]), static_cast<double>(ijk[1]), static_cast<double>(ijk[2])};
-      const OwnMoments m = own_moments(pieces, pieces.offsets[t], pieces.offsets[t + 1], corner, depth);
+      OwnMoments m;
+      for (std::int64_t q = pieces.offsets[t]; q < pieces.offsets[t + 1]; ++q) m.add(pieces.polygon(q), corner);
       const double raw = m.volume[0] + right;
       right += m.area[0];
       note_leak(span, std::max(-raw, raw - 1));
@@ -184,7 +137,7 @@ Trimming trim(const SplineGrid& grid, const TriangleMesh& mesh, const TrimOption
       out.touched_fraction[t] = fraction;
       row.volume += fraction;
       SpanState state = SpanState::Trimmed;
-      if (m.sliver) {
+      if (m.depth <= depth) {
         state = fraction > 0.5 ? SpanState::Interior : SpanState::Exterior;
         const double change = (state == SpanState::Interior ? 1.0 : 0.0) - fraction;
         row.snapped += change;

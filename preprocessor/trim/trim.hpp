@@ -4,6 +4,7 @@
 #include "preprocessor/trim/clip.hpp"
 
 #include <array>
+#include <compare>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -27,6 +28,7 @@ struct Leak {
 struct PieceLink {
   std::int32_t low, high; ///< low < high
   std::uint8_t axis;      ///< along which the spans follow each other
+  friend auto operator<=>(const PieceLink&, const PieceLink&) = default;
 };
 
 struct Trimming {

@@ -1,7 +1,7 @@
 #include "preprocessor/walls/narrow_gaps.hpp"
 
+#include "format/model/disjoint_sets.hpp"
 #include "format/model/vec3.hpp"
-#include "preprocessor/base/disjoint_sets.hpp"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>

@@ -17,12 +17,7 @@ double distance_within(const TrimmedModel& model, std::int32_t triangle, const B
     polygon = clip_convex(polygon, [&](const Point3& x) { return box.lower[d] - x[d]; });
     polygon = clip_convex(polygon, [&](const Point3& x) { return x[d] - box.upper[d]; });
   }
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t a = 1; a + 1 < polygon.size(); ++a) {
-    const TriangleMesh facet{{polygon[0], polygon[a], polygon[a + 1]}, {{0, 1, 2}}, {}, {}};
-    least = std::min(least, distance_to_triangle(facet, 0, u));
-  }
-  return least;
+  return distance_to_polygon(polygon, u);
 }
 
 } // namespace

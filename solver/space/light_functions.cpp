@@ -91,24 +91,12 @@ class Planner {
       neighbours_[next[static_cast<std::size_t>(links[l])]++] = links[l + 1];
       neighbours_[next[static_cast<std::size_t>(links[l + 1])]++] = links[l];
     }
-    first_cell_.assign(model_.functions.number.size() + 1, 0);
-    for (const std::int32_t f : model_.cells.functions) ++first_cell_[static_cast<std::size_t>(f) + 1];
-    std::partial_sum(first_cell_.begin(), first_cell_.end(), first_cell_.begin());
-    cells_.resize(model_.cells.functions.size());
-    next.assign(first_cell_.begin(), first_cell_.end() - 1);
-    for (std::size_t c = 0; c < model_.num_cells(); ++c)
-      for (const std::int32_t f : model_.functions_of(c))
-        cells_[next[static_cast<std::size_t>(f)]++] = static_cast<std::int32_t>(c);
+    cells_ = cells_by_function(model_);
   }
 
   std::span<const std::int32_t> neighbours(std::int32_t cell) const {
     const auto c = static_cast<std::size_t>(cell);
     return std::span(neighbours_).subspan(first_neighbour_[c], first_neighbour_[c + 1] - first_neighbour_[c]);
-  }
-  // Cells that see a function.
-  std::span<const std::int32_t> cells_of(std::int64_t function) const {
-    const auto f = static_cast<std::size_t>(function);
-    return std::span(cells_).subspan(first_cell_[f], first_cell_[f + 1] - first_cell_[f]);
   }
 
   bool is_good(std::int64_t span) const {
@@ -183,7 +171,7 @@ class Planner {
       for (std::size_t d = 0; d < 3; ++d) sum += (2 * (i[d] - s[d]) - p[d]) * (2 * (i[d] - s[d]) - p[d]);
       return sum;
     };
-    const auto own = cells_of(f);
+    const auto own = cells_.of(f);
     std::vector<std::int32_t> ring(own.begin(), own.end()), next;
     std::unordered_map<std::int32_t, char> seen;
     for (const std::int32_t a : ring) seen[a] = 1;
@@ -232,8 +220,7 @@ class Planner {
   std::vector<double> fictitious_;
   std::vector<std::size_t> first_neighbour_; // (num_cells + 1)
   std::vector<std::int32_t> neighbours_;     // linked cells
-  std::vector<std::size_t> first_cell_;      // (n_f + 1)
-  std::vector<std::int32_t> cells_;          // that see each function
+  FunctionCells cells_;
 };
 
 } // namespace

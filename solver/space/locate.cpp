@@ -25,10 +25,8 @@ double distance_to_surface(const TriangleMesh& mesh, const Point3& x) {
 double winding_number(const TriangleMesh& mesh, const Point3& x) {
   double angle = 0;
   for (const Triangle& t : mesh.triangles) {
-    const auto to = [&](std::size_t k) { return minus(mesh.vertices[static_cast<std::size_t>(t[k])], x); };
-    const Point3 a = to(0), b = to(1), c = to(2);
-    const double la = norm(a), lb = norm(b), lc = norm(c);
-    angle += 2 * std::atan2(dot(a, cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
+    const auto corner = [&](std::size_t k) { return mesh.vertices[static_cast<std::size_t>(t[k])]; };
+    angle += solid_angle({corner(0), corner(1), corner(2)}, x);
   }
   return angle / (4 * std::numbers::pi);
 }

@@ -3,9 +3,10 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <numeric>
 #include <vector>
 
-namespace iga::prep {
+namespace iga {
 
 /// Root of v, with path halving.
 inline std::int32_t find_root(std::vector<std::int32_t>& parent, std::int32_t v) {
@@ -24,4 +25,17 @@ inline void join_sets(std::vector<std::int32_t>& parent, std::int32_t a, std::in
   parent[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
 }
 
-} // namespace iga::prep
+/// Sets of n elements, each alone.
+inline std::vector<std::int32_t> lone_sets(std::size_t n) {
+  std::vector<std::int32_t> parent(n);
+  std::iota(parent.begin(), parent.end(), 0);
+  return parent;
+}
+
+inline std::int64_t count_sets(const std::vector<std::int32_t>& parent) {
+  std::int64_t count = 0;
+  for (std::size_t v = 0; v < parent.size(); ++v) count += parent[v] == static_cast<std::int32_t>(v);
+  return count;
+}
+
+} // namespace iga
