@@ -21,6 +21,7 @@ constexpr const char* cells = "/cells";
 constexpr const char* links = "/links";
 constexpr const char* quadrature = "/quadrature";
 constexpr const char* functions = "/functions";
+constexpr const char* unknowns = "/unknowns";
 constexpr const char* surface = "/surface";
 constexpr const char* surface_quadrature = "/surface/quadrature";
 constexpr const char* provenance = "/provenance";
@@ -65,6 +66,22 @@ constexpr DatasetText function_number{"/functions/number", "1",
                                       "the solid in its support"};
 constexpr DatasetText mass_fraction{"/functions/mass_fraction", "1", "(function)",
                                     "integral of N over the copy's cells divided by its integral over the whole grid"};
+
+constexpr DatasetText unknown_offsets{"/unknowns/offsets", "1", "(function), then the total",
+                                      "the coefficient of function f is the sum of the terms offsets[f] ... "
+                                      "offsets[f+1] - 1"};
+constexpr DatasetText unknown_terms{"/unknowns/terms", "1", "(term), grouped by function, ascending in each",
+                                    "unknown of each term"};
+constexpr DatasetText unknown_weights{"/unknowns/weights", "1", "(term), grouped by function",
+                                      "factor of the unknown in each term"};
+constexpr DatasetText unknown_function{"/unknowns/function", "1", "(unknown), ascending, then -1",
+                                       "function that each unknown is the coefficient of; -1: a Bernstein function "
+                                       "beside the end of a gap"};
+constexpr DatasetText unknown_parameters{"/unknowns/parameters", "parameter", "(unknown; u v w)",
+                                         "Greville point of each unknown: what it is for the field u(x) = x"};
+constexpr DatasetText unknown_mass_fraction{"/unknowns/mass_fraction", "1", "(unknown)",
+                                            "integral of its function over the material divided by that over the "
+                                            "whole support"};
 
 constexpr DatasetText vertices{"/surface/vertices", "length", "(vertex; x y z)",
                                "vertices of the embedded surface in space"};

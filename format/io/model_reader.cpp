@@ -142,6 +142,19 @@ EmbeddedSurface read_surface(const H5Reader& file, std::int64_t num_cells) {
   return s;
 }
 
+Unknowns read_unknowns(const H5Reader& file, std::int64_t num_functions) {
+  Unknowns u;
+  if (!file.has(names::unknowns)) return u;
+  const std::int64_t n = rows_of(file, names::unknown_function), terms = rows_of(file, names::unknown_terms);
+  u.offsets = read<std::int64_t>(file, names::unknown_offsets, num_functions + 1);
+  u.terms = read<std::int32_t>(file, names::unknown_terms, terms);
+  u.weights = read<double>(file, names::unknown_weights, terms);
+  u.function = read<std::int32_t>(file, names::unknown_function, n);
+  u.parameters = read<double>(file, names::unknown_parameters, n, 3);
+  u.mass_fraction = read<double>(file, names::unknown_mass_fraction, n);
+  return u;
+}
+
 TrimmedModel load(const H5Reader& file) {
   expect_format(file, names::format, names::format_major, names::format_version);
   TrimmedModel m;
@@ -164,6 +177,7 @@ TrimmedModel load(const H5Reader& file) {
   const std::int64_t num_functions = rows_of(file, names::function_number);
   m.functions.number = read<std::int64_t>(file, names::function_number, num_functions);
   m.functions.mass_fraction = read<double>(file, names::mass_fraction, num_functions);
+  m.unknowns = read_unknowns(file, num_functions);
   m.surface = read_surface(file, num_cells);
   m.provenance = read_provenance(file);
   return m;

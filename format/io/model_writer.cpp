@@ -76,6 +76,18 @@ void write_functions(H5Writer& file, const TrimmedModel& m) {
   write(file, names::mass_fraction, m.functions.mass_fraction);
 }
 
+void write_unknowns(H5Writer& file, const Unknowns& u) {
+  if (u.empty()) return;
+  file.group(names::unknowns, "coefficients of functions from unknowns, where gaps end inside the support of B-splines; "
+                              "without this group every function is an unknown");
+  write(file, names::unknown_offsets, u.offsets);
+  write(file, names::unknown_terms, u.terms);
+  write(file, names::unknown_weights, u.weights);
+  write(file, names::unknown_function, u.function);
+  write(file, names::unknown_parameters, u.parameters, 3);
+  write(file, names::unknown_mass_fraction, u.mass_fraction);
+}
+
 void write_surface(H5Writer& file, const EmbeddedSurface& s) {
   file.group(names::surface, "the embedded surface, tied to the grid");
   file.attribute(names::surface, "accepted_leak", s.accepted_leak);
@@ -107,6 +119,7 @@ void write_model(const std::filesystem::path& path, const TrimmedModel& model) {
   write_cells(file, model);
   write_quadrature(file, model);
   write_functions(file, model);
+  write_unknowns(file, model.unknowns);
   write_surface(file, model.surface);
   write_provenance(file, model.provenance);
   file.commit();

@@ -51,6 +51,40 @@ void evaluate_basis_derivatives(const KnotVector& knots, std::int64_t span, doub
   }
 }
 
+void blossom_weights(const KnotVector& knots, std::int64_t span, std::span<const double> arguments,
+                     std::span<double> weights) {
+  const auto U = knots.values();
+  const auto degree = static_cast<std::size_t>(knots.degree());
+  assert(arguments.size() == degree && weights.size() == degree + 1);
+  const auto k = static_cast<std::size_t>(span) + degree; // U[k] … U[k + 1] is the span
+  for (std::size_t b = 0; b <= degree; ++b) {
+    std::array<double, max_order> c{};
+    c[b] = 1;
+    for (std::size_t level = 1; level <= degree; ++level) {
+      const double t = arguments[level - 1];
+      for (std::size_t j = degree; j >= level; --j) {
+        const double left = U[k - degree + j], right = U[k + 1 + j - level];
+        c[j] = ((right - t) * c[j - 1] + (t - left) * c[j]) / (right - left);
+      }
+    }
+    weights[b] = c[degree];
+  }
+}
+
+void bernstein_blossom_weights(double a, double b, std::span<const double> arguments, std::span<double> weights) {
+  const std::size_t degree = arguments.size();
+  assert(weights.size() == degree + 1 && degree < max_order);
+  for (std::size_t i = 0; i <= degree; ++i) {
+    std::array<double, max_order> c{};
+    c[i] = 1;
+    for (std::size_t level = 1; level <= degree; ++level) {
+      const double t = (arguments[level - 1] - a) / (b - a);
+      for (std::size_t j = degree; j >= level; --j) c[j] = (1 - t) * c[j - 1] + t * c[j];
+    }
+    weights[i] = c[degree];
+  }
+}
+
 void integrate_basis(const KnotVector& knots, std::int64_t span, std::span<double> integrals) {
   // Gauss–Legendre with three points is exact to degree 5 > max_degree.
   constexpr std::array<double, 3> x{0.1127016653792583, 0.5, 0.8872983346207417};

@@ -78,6 +78,12 @@ bool shapes_fit(const TrimmedModel& m, int limit, std::vector<std::string>& prob
   expect_size(m.points.parameters, 3 * points, "quadrature/parameters", kind);
   expect_size(m.points.residual, cells, "quadrature/residual", kind);
   expect_size(m.functions.mass_fraction, m.functions.number.size(), "functions/mass_fraction", kind);
+  if (const Unknowns& u = m.unknowns; !u.empty()) {
+    expect_size(u.offsets, m.functions.number.size() + 1, "unknowns/offsets", kind);
+    expect_size(u.weights, u.terms.size(), "unknowns/weights", kind);
+    expect_size(u.parameters, 3 * u.function.size(), "unknowns/parameters", kind);
+    expect_size(u.mass_fraction, u.function.size(), "unknowns/mass_fraction", kind);
+  }
   expect_size(s.vertex_parameters, 3 * vertices, "surface/vertex_parameters", kind);
   expect_size(s.vertex_cell, vertices, "surface/vertex_cell", kind);
   expect_size(s.mesh.region, s.mesh.triangles.size(), "surface/region", kind);
@@ -130,6 +136,15 @@ FunctionCells cells_by_function(const TrimmedModel& model) {
   return out;
 }
 
+bool TrimmedModel::is_at_gap_end(std::size_t cell) const {
+  if (unknowns.empty()) return false;
+  // A function that is an unknown has one term; those of a cell at a gap end are all its own, and follow from others.
+  const auto f = static_cast<std::size_t>(functions_of(cell).front());
+  const auto first = static_cast<std::size_t>(unknowns.offsets[f]);
+  return unknowns.offsets[f + 1] != unknowns.offsets[f] + 1 ||
+         unknowns.function[static_cast<std::size_t>(unknowns.terms[first])] != static_cast<std::int32_t>(f);
+}
+
 CellCounts count_cells(const TrimmedModel& model) {
   CellCounts counts;
   // Each run of equal numbers counts once, at its second entry.
@@ -140,7 +155,16 @@ CellCounts count_cells(const TrimmedModel& model) {
     return count;
   };
   counts.split_spans = repeated(model.cells.span);
-  counts.copied_functions = repeated(model.functions.number);
+  std::vector<std::uint8_t> own(model.functions.number.size(), 0);
+  for (std::size_t c = 0; c < model.num_cells(); ++c)
+    if (model.is_at_gap_end(c)) {
+      ++counts.gap_end_cells;
+      for (const std::int32_t f : model.functions_of(c)) own[static_cast<std::size_t>(f)] = 1;
+    }
+  std::vector<std::int64_t> shared;
+  for (std::size_t f = 0; f < own.size(); ++f)
+    if (!own[f]) shared.push_back(model.functions.number[f]);
+  counts.copied_functions = repeated(shared);
   std::vector<std::int32_t> sets = lone_sets(model.num_cells());
   for (std::size_t l = 0; l + 1 < model.links.cells.size(); l += 2)
     join_sets(sets, model.links.cells[l], model.links.cells[l + 1]);

@@ -28,6 +28,22 @@ struct Functions {
   std::vector<double> mass_fraction; ///< (n_f); ∫ N over the copy's cells / ∫ N over the whole grid, in (0, 1]
 };
 
+/// Where a gap ends inside the support of a B-spline, the cells beside it have B-splines of their own, and what carries
+/// the solution is a smaller set of *unknowns*: coefficients of functions = C · unknowns. Columns of C are continuous on
+/// the solid: a B-spline copy elsewhere, inside these cells a Bernstein function of the grid's degree (continuous, not
+/// smooth, across faces), one copy for each connected part of the solid in its own support of 2³ spans at most.
+/// All empty where every function is an unknown of its own (no gap ends).
+struct Unknowns {
+  std::vector<std::int64_t> offsets; ///< (n_f + 1); function f has the terms offsets[f] … offsets[f + 1] - 1 of its row
+  std::vector<std::int32_t> terms;   ///< unknown of each term, ascending within a row
+  std::vector<double> weights;       ///< entry of C of each term; a row's sum is 1
+  /// (n_u); the function that an unknown is the coefficient of, ascending; -1 for Bernstein functions, which follow.
+  std::vector<std::int32_t> function;
+  std::vector<double> parameters;    ///< (n_u × 3), knot space: Greville point; the coefficients of u(x) = x
+  std::vector<double> mass_fraction; ///< (n_u); as Functions::mass_fraction, in (0, 1]
+  bool empty() const { return offsets.empty(); }
+};
+
 /// Cells of face-neighbouring spans that share solid area on the common face.
 struct CellLinks {
   std::vector<std::int32_t> cells; ///< (n_links × 2); lower cell number first, sorted
@@ -108,6 +124,7 @@ struct TrimmedModel {
   IntegrationPoints points;
   QuadratureInfo quadrature;
   Functions functions;
+  Unknowns unknowns;
   EmbeddedSurface surface;
   Provenance provenance;
 
@@ -118,6 +135,13 @@ struct TrimmedModel {
   }
   /// First and last + 1 of the cells of a span; equal where it holds none.
   std::pair<std::size_t, std::size_t> cells_of(std::int64_t span) const;
+  std::size_t num_unknowns() const { return unknowns.empty() ? functions.number.size() : unknowns.function.size(); }
+  /// Share of its support that each unknown finds filled with material: (n_u).
+  const std::vector<double>& unknown_mass_fraction() const {
+    return unknowns.empty() ? functions.mass_fraction : unknowns.mass_fraction;
+  }
+  /// Has a cell B-splines of its own, because a gap ends nearby?
+  bool is_at_gap_end(std::size_t cell) const;
   /// Functions that a cell sees: entries into `functions`, u fastest.
   std::span<const std::int32_t> functions_of(std::size_t cell) const {
     const std::size_t local = cells.functions.size() / cells.span.size();
@@ -139,7 +163,8 @@ FunctionCells cells_by_function(const TrimmedModel& model);
 
 struct CellCounts {
   std::int64_t split_spans = 0;      ///< spans with several cells
-  std::int64_t copied_functions = 0; ///< B-splines with several copies
+  std::int64_t copied_functions = 0; ///< B-splines with several copies, those at gap ends not counted
+  std::int64_t gap_end_cells = 0;    ///< cells with B-splines of their own
   std::int64_t components = 0;       ///< of the cells under their links: bodies that move apart
 };
 CellCounts count_cells(const TrimmedModel& model);

@@ -1,7 +1,5 @@
 #include "preprocessor/connectivity/cells.hpp"
 
-#include "preprocessor/connectivity/function_copies.hpp"
-
 #include <algorithm>
 
 namespace iga::prep {
@@ -138,11 +136,16 @@ class Splitter {
 CellTable split_into_cells(const SplineGrid& grid, const TrimOptions& options, Trimming& trimming) {
   const PieceGraph graph = find_pieces(grid, trimming, options);
   FunctionCopies copies = copy_functions(grid, trimming.active, graph);
+  CellTable out;
+  std::vector<std::uint8_t> own;
+  if (options.split_gap_ends) {
+    own = find_gap_ends(grid, trimming.active, graph, copies);
+    out.unknowns = separate_gap_ends(grid, trimming.active, graph, own, copies);
+  }
   const auto p = grid.degree();
   const auto local = static_cast<std::size_t>((p[0] + 1) * (p[1] + 1) * (p[2] + 1));
   const Cellation cells = take_together(graph, copies, local);
 
-  CellTable out;
   out.pieces = graph.first.back();
   out.unclear_spans = graph.unclear;
   out.first_unclear = graph.first_unclear;
@@ -179,6 +182,11 @@ CellTable split_into_cells(const SplineGrid& grid, const TrimOptions& options, T
       }
     }
     Splitter(graph, cells, trimming).run();
+  }
+  if (!out.unknowns.function.empty()) {
+    trimming.gap_end.assign(trimming.active.size(), 0);
+    for (std::size_t q = 0; q < own.size(); ++q)
+      if (own[q]) trimming.gap_end[static_cast<std::size_t>(cells.of_piece[q])] = 1;
   }
   return out;
 }

@@ -1,5 +1,7 @@
 #include "preprocessor/interior/interior_rules.hpp"
 
+#include "format/model/span_state.hpp"
+
 #include <algorithm>
 
 namespace iga::prep {
@@ -13,9 +15,16 @@ InteriorRules::InteriorRules(const SplineGrid& grid, const Trimming& trimming, c
     rules_.push_back({run_rule(spaces[0], 1), run_rule(spaces[1], 1), run_rule(spaces[2], 1)});
     return;
   }
-  boxes_ = lay_boxes(spans_, trimming.state, cost);
+  if (trimming.gap_end.empty()) {
+    boxes_ = lay_boxes(spans_, trimming.state, cost);
+  } else {
+    std::vector<std::uint8_t> state = trimming.state;
+    for (std::size_t a = 0; a < active_.size(); ++a)
+      if (trimming.gap_end[a]) state[static_cast<std::size_t>(active_[a])] = static_cast<std::uint8_t>(SpanState::Trimmed);
+    boxes_ = lay_boxes(spans_, state, cost);
+  }
   box_of_active_.assign(active_.size(), -1);
-  rules_.reserve(boxes_.size());
+  rules_.reserve(boxes_.size() + 1);
   for (std::size_t b = 0; b < boxes_.size(); ++b) {
     const SpanBox& box = boxes_[b];
     rules_.push_back(
@@ -28,10 +37,14 @@ InteriorRules::InteriorRules(const SplineGrid& grid, const Trimming& trimming, c
         std::fill_n(box_of_active_.begin() + row, box.size[0], static_cast<std::int32_t>(b));
       }
   }
+  // Spans with functions of their own are exact by themselves.
+  for (std::size_t d = 0; d < 3; ++d) spaces[d] = target_space("gauss", grid.degree()[d]);
+  rules_.push_back({run_rule(spaces[0], 1), run_rule(spaces[1], 1), run_rule(spaces[2], 1)});
 }
 
 InteriorRules::Place InteriorRules::place_of(std::size_t active) const {
   if (box_of_active_.empty()) return {rules_.front(), {0, 0, 0}};
+  if (box_of_active_[active] < 0) return {rules_.back(), {0, 0, 0}};
   const auto b = static_cast<std::size_t>(box_of_active_[active]);
   const Index3& first = boxes_[b].first;
   const std::int64_t s = active_[active];

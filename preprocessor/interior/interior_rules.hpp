@@ -43,8 +43,8 @@ class InteriorRules {
   Index3 spans_;
   const std::vector<std::int64_t>& active_;
   std::vector<SpanBox> boxes_;
-  std::vector<Rules> rules_;                // one a box, or a single one for all spans
-  std::vector<std::int32_t> box_of_active_; // (num_active); empty without boxes, -1 for trimmed spans
+  std::vector<Rules> rules_;                // one a box and Gauss points; or a single one for all spans
+  std::vector<std::int32_t> box_of_active_; // (num_active); empty without boxes, -1 for trimmed spans and at gap ends
 };
 
 } // namespace iga::prep

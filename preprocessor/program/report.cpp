@@ -135,14 +135,15 @@ void describe_model(PrepReport& r, const TrimmedModel& model) {
   for (std::size_t a = 0; a < model.cells.span.size(); ++a)
     if (model.is_interior(a)) r.points_interior += model.points.offsets[a + 1] - model.points.offsets[a];
   r.points_trimmed = r.points - r.points_interior;
-  r.functions = static_cast<std::int64_t>(model.functions.number.size());
-  r.light_functions = std::count_if(model.functions.mass_fraction.begin(), model.functions.mass_fraction.end(),
+  r.functions = static_cast<std::int64_t>(model.num_unknowns());
+  r.light_functions = std::count_if(model.unknown_mass_fraction().begin(), model.unknown_mass_fraction().end(),
                                     [](double chi) { return chi < light_mass_fraction; });
 
   const CellCounts cells = count_cells(model);
   r.cells = static_cast<std::int64_t>(model.num_cells());
   r.split_spans = cells.split_spans;
   r.copied_functions = cells.copied_functions;
+  r.gap_end_cells = cells.gap_end_cells;
   r.components = cells.components;
 
   r.points_moments = point_moments(model.grid, model.points, r.surface.centroid);
@@ -211,6 +212,10 @@ std::string human_report(const PrepReport& r) {
   line("cells",
        fmt::format("{} in {}, {} {} several", r.cells, count(r.components, "connected part", "connected parts"),
                    count(r.split_spans, "span", "spans"), r.split_spans == 1 ? "holds" : "hold"));
+  if (r.gap_end_cells > 0)
+    line("gap ends", fmt::format("{} with functions that are continuous but not smooth across faces, so that walls move "
+                                 "on their own up to the end of a gap",
+                                 count(r.gap_end_cells, "cell", "cells")));
   line("functions", fmt::format("{} with material, {} light; {} with a copy for each side of a gap", r.functions,
                                 r.light_functions, count(r.copied_functions, "B-spline", "B-splines")));
   if (const auto& w = r.walls.thinnest)
@@ -265,6 +270,7 @@ std::string json_report(const PrepReport& r) {
   json.add("regions", r.regions);
   json.add("cells", r.cells);
   json.add("split_spans", r.split_spans);
+  json.add("gap_end_cells", r.gap_end_cells);
   json.add("components", r.components);
   json.add("functions", r.functions);
   json.add("copied_functions", r.copied_functions);

@@ -45,6 +45,7 @@ struct PrepReport {
   std::int64_t functions = 0, light_functions = 0;
   std::int64_t cells = 0, split_spans = 0; ///< cells, and spans that hold several
   std::int64_t copied_functions = 0;       ///< B-splines with several copies
+  std::int64_t gap_end_cells = 0;          ///< cells with functions of their own, where gaps end
   std::int64_t components = 0;             ///< of the cells under their links
   std::int64_t pieces = 0;                 ///< of spans, before those that see the same functions became one cell
   std::optional<OffsetGain> offset;

@@ -30,6 +30,7 @@ struct TypedSettings {
   std::optional<std::vector<double>> rotate_axis_angle; ///< 4: axis, degrees
   std::optional<bool> optimise_offset;
   std::optional<double> sliver_tolerance, min_fraction;
+  std::optional<std::string> gap_ends; ///< "split" or "glued"
   std::optional<std::string> interior, trimmed;
   std::optional<std::variant<std::string, std::vector<std::int64_t>>> moment_degree; ///< "p", "2p", 1 or 3 numbers
   std::optional<double> tolerance;

@@ -176,6 +176,27 @@ std::vector<double> mass_fractions(const SplineGrid& grid, const Trimming& trimm
   return result;
 }
 
+std::vector<double> unknown_mass_fractions(const SplineGrid& grid, const CellTable& cells,
+                                           const std::vector<double>& mass_fraction) {
+  const GapEndUnknowns& u = cells.unknowns;
+  std::vector<double> mass(u.function.size(), 0);
+  for (std::size_t f = 0; f + 1 < u.offsets.size(); ++f) {
+    const Index3 ijk = grid.function_index(cells.function[f]);
+    double whole = 1; // ∫ N over the grid: Piegl & Tiller (1997), exercise of section 2
+    for (std::size_t d = 0; d < 3; ++d) {
+      const KnotVector& knots = grid.knots(static_cast<int>(d));
+      const auto i = static_cast<std::size_t>(ijk[d]), order = static_cast<std::size_t>(knots.degree()) + 1;
+      whole *= (knots.values()[i + order] - knots.values()[i]) / static_cast<double>(order);
+    }
+    for (auto t = static_cast<std::size_t>(u.offsets[f]); t < static_cast<std::size_t>(u.offsets[f + 1]); ++t)
+      mass[static_cast<std::size_t>(u.terms[t])] += u.weights[t] * mass_fraction[f] * whole;
+  }
+  // Inexact rules and differences of large factors may leave nothing of a tiny share.
+  constexpr double least = 1e-15;
+  for (std::size_t k = 0; k < mass.size(); ++k) mass[k] = std::clamp(mass[k] / u.full[k], least, 1.0);
+  return mass;
+}
+
 void place_cells(Trimming&& trimming, CellTable&& cells, TrimmedModel& model) {
   model.cells.state.resize(trimming.active.size());
   for (std::size_t c = 0; c < trimming.active.size(); ++c)
@@ -185,6 +206,11 @@ void place_cells(Trimming&& trimming, CellTable&& cells, TrimmedModel& model) {
   model.cells.volume_fraction = std::move(trimming.fraction);
   model.cells.functions = std::move(cells.functions);
   model.functions.number = std::move(cells.function);
+  model.unknowns.offsets = std::move(cells.unknowns.offsets);
+  model.unknowns.terms = std::move(cells.unknowns.terms);
+  model.unknowns.weights = std::move(cells.unknowns.weights);
+  model.unknowns.function = std::move(cells.unknowns.function);
+  model.unknowns.parameters = std::move(cells.unknowns.parameters);
   model.links.cells.reserve(2 * trimming.links.size());
   for (const PieceLink& link : trimming.links) {
     model.links.cells.push_back(link.low);

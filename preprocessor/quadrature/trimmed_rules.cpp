@@ -39,6 +39,10 @@ template <class Visit> void for_trimmed(const Trimming& trimming, std::size_t b,
 
 } // namespace
 
+bool is_at_gap_end(const Trimming& trimming, std::size_t active) {
+  return !trimming.gap_end.empty() && trimming.gap_end[active] != 0;
+}
+
 bool is_interior(const Trimming& trimming, std::size_t active) {
   return trimming.state[static_cast<std::size_t>(trimming.active[active])] ==
          static_cast<std::uint8_t>(SpanState::Interior);
@@ -49,16 +53,24 @@ TrimmedRules::TrimmedRules(const SplineGrid& grid, const Trimming& trimming, con
       blocks_((trimming.active.size() + spans_per_block - 1) / spans_per_block) {
   tbb::enumerable_thread_specific<MomentFitter> fitters(
       [&] { return MomentFitter(grid, trimming, far_, options.moment_degree, options.tolerance); });
+  // A cell with functions of its own is held by its neighbours less than others are: with moments of degree p it may have
+  // mechanisms (seen at p = 3), with p + 1 it has more points than its stiffness has rank.
+  std::array<int, 3> own_degree = options.moment_degree;
+  for (std::size_t d = 0; d < 3; ++d) own_degree[d] = std::max(own_degree[d], grid.degree()[d] + 1);
+  if (!trimming.gap_end.empty()) gap_end_far_ = std::make_unique<FarMoments>(grid, trimming, own_degree);
+  tbb::enumerable_thread_specific<MomentFitter> own_fitters(
+      [&] { return MomentFitter(grid, trimming, *gap_end_far_, own_degree, options.tolerance); });
   const auto total = static_cast<std::int64_t>(blocks_.size());
   std::atomic<std::int64_t> done{0};
   std::vector<std::vector<std::int64_t>> failed(blocks_.size());
   std::vector<QuadratureCounts> counts(blocks_.size());
   tbb::parallel_for(std::size_t{0}, blocks_.size(), [&](std::size_t b) {
     if (options.cancelled && options.cancelled()) throw Cancelled{};
-    MomentFitter& fitter = fitters.local();
     for_trimmed(trimming, b, [&](std::size_t a) {
+      const bool own = is_at_gap_end(trimming, a);
+      MomentFitter& fitter = own ? own_fitters.local() : fitters.local();
       const SpanRule& rule = fitter.fit(touched(trimming, a));
-      append(blocks_[b], rule);
+      append(blocks_[b], own ? resisting_rule(fitter.part(), rule, grid.degree()) : rule);
       counts[b].box_spans += rule.shape == SpanShape::Box;
       counts[b].prism_spans += rule.shape == SpanShape::Prism;
       counts[b].fitted_spans += rule.shape == SpanShape::Free;
@@ -126,10 +138,12 @@ void TrimmedRules::reduce(const QuadratureOptions& options) {
       SpanRule rule = extract(fitted, span, first);
       first += rule.weights.size();
       ++span;
-      if (options.cancelled && options.cancelled())
-        ++kept;
-      else
-        reducer.reduce(touched(*trimming_, a), rule);
+      if (!is_at_gap_end(*trimming_, a)) {
+        if (options.cancelled && options.cancelled())
+          ++kept;
+        else
+          reducer.reduce(touched(*trimming_, a), rule);
+      }
       append(blocks_[b], rule);
     });
     const std::int64_t now = done += static_cast<std::int64_t>(span);

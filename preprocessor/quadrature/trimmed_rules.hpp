@@ -4,12 +4,15 @@
 #include "preprocessor/fit/moment_fitting.hpp"
 #include "preprocessor/quadrature/quadrature_options.hpp"
 
+#include <memory>
+
 namespace iga::prep {
 
 /// Rules of trimmed spans in blocks of consecutive active spans, in span order: the unit of parallel work.
 class TrimmedRules {
  public:
-  /// Fits every trimmed span. grid, trimming must outlive the object.
+  /// Fits every trimmed span; cells at gap ends get rules of one degree more, and keep them.
+  /// grid, trimming must outlive the object.
   /// @throws NumericalError naming the spans that did not reach the tolerance
   /// @throws Cancelled
   TrimmedRules(const SplineGrid& grid, const Trimming& trimming, const QuadratureOptions& options);
@@ -47,6 +50,7 @@ class TrimmedRules {
   const SplineGrid* grid_;
   const Trimming* trimming_;
   FarMoments far_;
+  std::unique_ptr<FarMoments> gap_end_far_; ///< of cells at gap ends; null without them
   std::vector<Block> blocks_;
   QuadratureCounts counts_;
   bool reduced_ = false;
@@ -55,5 +59,7 @@ class TrimmedRules {
 struct Cancelled {};
 
 bool is_interior(const Trimming& trimming, std::size_t active);
+/// Has a cell functions of its own?
+bool is_at_gap_end(const Trimming& trimming, std::size_t active);
 
 } // namespace iga::prep

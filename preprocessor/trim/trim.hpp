@@ -16,6 +16,7 @@ struct TrimOptions {
   /// positions.
   double sliver_tolerance = 2e-5;
   double min_fraction = 0; ///< trimmed spans with a smaller fraction are dropped (counted, volume recorded)
+  bool split_gap_ends = true; ///< functions of lower continuity where gaps end inside the support of B-splines
 };
 
 /// A row of spans along one axis in which the crossings do not cancel: the surface leaks there.
@@ -44,6 +45,8 @@ struct Trimming {
   /// at v = 0 and along v as (v, w) from, to in span units relative to the span's corner, the solid on the left. Empty
   /// before spans are split into cells.
   std::vector<std::pair<std::size_t, std::vector<std::array<double, 4>>>> far_bounds;
+  /// (num_active), or empty where there are none: cells with functions of their own, which their neighbours hold less.
+  std::vector<std::uint8_t> gap_end;
   double exact_volume = 0;        ///< Σ fractions · span volume before snapping and dropping, length³
   double snapped_volume = 0;      ///< added by snapping to INTERIOR less removed by snapping to EXTERIOR, length³
   double dropped_volume = 0;      ///< length³

@@ -89,7 +89,7 @@ const char* name_of(LightFunctions remedy) {
 }
 
 LightTreatment default_light_treatment(MassType mass) {
-  if (mass == MassType::Consistent) return {LightFunctions::DegreeP, 1e-3};
+  if (mass == MassType::Consistent) return {LightFunctions::DegreeP, 1e-3, 1e-6};
   // More costs time step: at 0.05 it is a quarter on the foam part, at 0.01 nothing. And the series of two passes may
   // lose its positivity.
   return {LightFunctions::Linear, 0.01};
@@ -168,6 +168,7 @@ RunSettings validate_run(const TypedRun& typed, Analysis analysis) {
       throw InputError(
           fmt::format("light_threshold: found {}, expected a mass fraction 0 … 1", *typed.light_threshold));
     run.light.threshold = *typed.light_threshold;
+    run.light.threshold_with_gap_ends = -1;
   }
   run.supports = typed.supports;
   run.statics = typed.statics;

@@ -177,9 +177,9 @@ SparedMasses spare_masses(const SolutionSpace& space, double density) {
   SparedMasses spared;
   spared.masses = lumped_mass(space, density);
   if (!space.is_extended()) return spared;
-  const VectorXd own = lumped_mass(SolutionSpace(space.model(), {}), density); // of every active function
-  const auto& E = space.extension();
-  const auto nodes = space.node_functions();
+  const VectorXd own = lumped_mass(SolutionSpace(space.model(), {}), density); // of every unknown of the model
+  const auto& E = space.unknown_extension();
+  const auto nodes = space.node_unknowns();
   using Entry = Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator;
   std::vector<bool> moved(static_cast<std::size_t>(E.rows()), false);
   // Each round moves at least one function; masses of nodes nothing is taken from any more are at least their own.

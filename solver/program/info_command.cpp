@@ -46,7 +46,7 @@ std::string text_report(const std::filesystem::path& file, const TrimmedModel& m
   line("functions",
        "{} touch material, {} of them light (mass fraction below {}), lightest {:.3g}; {} "
        "B-splines with a copy for each side of a gap",
-       m.functions.number.size(), s.light_functions, light_below, s.lightest, s.cells.copied_functions);
+       m.num_unknowns(), s.light_functions, light_below, s.lightest, s.cells.copied_functions);
   line("surface", "{} triangles, {} vertices, {} quadrature points, area {:.10g}", m.surface.mesh.triangles.size(),
        m.surface.mesh.vertices.size(), s.surface_points, s.area);
   if (m.surface.accepted_leak > 0)
@@ -106,7 +106,7 @@ std::string json_report(const std::filesystem::path& file, const TrimmedModel& m
       .add("snapped", q.snapped_volume)
       .add("dropped", q.dropped_volume);
   volume.add("snapped_spans", q.snapped_spans).add("dropped_spans", q.dropped_spans).add("centroid", s.centroid);
-  functions.add("active", m.functions.number.size()).add("light", s.light_functions).add("light_below", light_below);
+  functions.add("active", m.num_unknowns()).add("light", s.light_functions).add("light_below", light_below);
   functions.add("lightest", s.lightest).add("copied", s.cells.copied_functions);
   std::vector<JsonObject> regions;
   for (const auto& r : s.regions)

@@ -50,7 +50,7 @@ void add_model(TextReport& report, const AnalysisRun& run, const SolutionSpace& 
   report.line("unknowns", "{}{}", space.num_unknowns(),
               space.num_light() == 0 ? ""
                                      : fmt::format("; {} of {} functions are light (mass fraction below {:g}): {}",
-                                                   space.num_light(), m.functions.number.size(),
+                                                   space.num_light(), m.num_unknowns(),
                                                    space.treatment().threshold, name_of(space.treatment().remedy)));
 }
 

@@ -27,7 +27,7 @@ ModelSummary summarise(const TrimmedModel& model) {
   Point3 centre{};
   for (std::size_t d = 0; d < 3; ++d) centre[d] = model.grid.A()[d] + first[d] / s.volume;
   s.centroid = model.grid.to_position(centre);
-  for (const double chi : model.functions.mass_fraction) {
+  for (const double chi : model.unknown_mass_fraction()) {
     s.light_functions += chi < light_below;
     s.lightest = std::min(s.lightest, chi);
   }

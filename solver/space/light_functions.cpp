@@ -1,11 +1,13 @@
 #include "solver/space/light_functions.hpp"
 
+#include "format/model/bspline_basis.hpp"
 #include "format/model/errors.hpp"
 #include "solver/space/span_advice.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <map>
 #include <numeric>
 #include <tbb/parallel_for.h>
 #include <unordered_map>
@@ -17,44 +19,64 @@ namespace {
 constexpr double lowest_threshold = 1e-9; // a part that has no good span above it is filled with fictitious material
 constexpr double fictitious_share = 1e-3; // its stiffness and mass, relative to the material's
 
-// Coefficients of a polynomial on one span, carried over to a function elsewhere: the blossom of the polynomial at the
-// function's p inner knots, by de Boor's algorithm with one knot per level (Ramshaw 1989).
-// weights[b]: share of function span + b.
-void degree_p_weights(const KnotVector& knots, std::int64_t span, std::int64_t function, double* weights) {
-  const int p = knots.degree();
-  const auto U = knots.values();
-  const auto k = static_cast<std::size_t>(span + p); // U[k] <= span <= U[k + 1]
-  const auto degree = static_cast<std::size_t>(p);
-  for (std::size_t b = 0; b <= degree; ++b) {
-    double c[max_degree + 1]{};
-    c[b] = 1;
-    for (std::size_t level = 1; level <= degree; ++level) {
-      const double t = U[static_cast<std::size_t>(function) + level];
-      for (std::size_t j = degree; j >= level; --j) {
-        const double left = U[k - degree + j], right = U[k + 1 + j - level];
-        c[j] = ((right - t) * c[j - 1] + (t - left) * c[j]) / (right - left);
-      }
-    }
-    weights[b] = c[degree];
-  }
-}
+// What an unknown is the coefficient of, in one direction: the p knots at which the polar form of a polynomial gives it.
+struct Coefficient {
+  std::array<double, max_degree> knots{};
+  double greville = 0; // their mean
+};
 
 // Linear interpolation or extrapolation of the Greville abscissae between the two functions of the span next to it.
-void linear_weights(const KnotVector& knots, std::int64_t span, std::int64_t function, double* weights) {
+void linear_weights(const KnotVector& knots, std::int64_t span, const Coefficient& coefficient,
+                    std::span<double> weights) {
   const int p = knots.degree();
-  const auto a = std::clamp<std::int64_t>(function - span, 0, p - 1);
+  std::int64_t a = 0;
+  while (a < p - 1 && knots.greville(span + a + 1) <= coefficient.greville) ++a;
   const double g0 = knots.greville(span + a), g1 = knots.greville(span + a + 1);
-  std::fill(weights, weights + p + 1, 0.0);
-  weights[a + 1] = (knots.greville(function) - g0) / (g1 - g0);
-  weights[a] = 1 - weights[a + 1];
+  std::fill(weights.begin(), weights.end(), 0.0);
+  weights[static_cast<std::size_t>(a) + 1] = (coefficient.greville - g0) / (g1 - g0);
+  weights[static_cast<std::size_t>(a)] = 1 - weights[static_cast<std::size_t>(a) + 1];
 }
+
+void degree_p_weights(const KnotVector& knots, std::int64_t span, const Coefficient& coefficient,
+                      std::span<double> weights) {
+  blossom_weights(knots, span, std::span(coefficient.knots).first(static_cast<std::size_t>(knots.degree())), weights);
+}
+
+// The unknowns that each cell sees.
+struct CellUnknowns {
+  std::vector<std::size_t> first; // (num_cells + 1)
+  std::vector<std::int32_t> unknowns;
+
+  explicit CellUnknowns(const TrimmedModel& model) : first{0} {
+    for (std::size_t c = 0; c < model.num_cells(); ++c) {
+      const auto begin = static_cast<std::ptrdiff_t>(unknowns.size());
+      for (const std::int32_t f : model.functions_of(c)) {
+        if (model.unknowns.empty()) {
+          unknowns.push_back(f);
+          continue;
+        }
+        const auto& offsets = model.unknowns.offsets;
+        for (auto t = offsets[static_cast<std::size_t>(f)]; t < offsets[static_cast<std::size_t>(f) + 1]; ++t)
+          unknowns.push_back(model.unknowns.terms[static_cast<std::size_t>(t)]);
+      }
+      if (!model.unknowns.empty()) {
+        std::sort(unknowns.begin() + begin, unknowns.end());
+        unknowns.erase(std::unique(unknowns.begin() + begin, unknowns.end()), unknowns.end());
+      }
+      first.push_back(unknowns.size());
+    }
+  }
+  std::span<const std::int32_t> of(std::size_t cell) const {
+    return std::span(unknowns).subspan(first[cell], first[cell + 1] - first[cell]);
+  }
+};
 
 class Planner {
  public:
   Planner(const TrimmedModel& model, const LightTreatment& treatment)
       : model_(model), remedy_(treatment.remedy), threshold_(treatment.threshold),
-        light_(model.functions.number.size()) {
-    for (std::size_t f = 0; f < light_.size(); ++f) light_[f] = model.functions.mass_fraction[f] < threshold_;
+        light_(model.num_unknowns()), unknowns_(model) {
+    for (std::size_t u = 0; u < light_.size(); ++u) light_[u] = model.unknown_mass_fraction()[u] < threshold_;
   }
 
   LightFunctionPlan plan() {
@@ -64,20 +86,20 @@ class Planner {
       find_good_spans(plan.warnings);
       plan.fictitious = fictitious_;
     }
-    std::vector<std::int64_t> functions;
-    for (std::size_t f = 0; f < light_.size(); ++f)
-      if (light_[f]) functions.push_back(static_cast<std::int64_t>(f));
-    plan.slaves.resize(functions.size());
-    tbb::parallel_for(std::size_t{0}, functions.size(), [&](std::size_t s) {
-      plan.slaves[s].function = functions[s];
+    std::vector<std::int64_t> light;
+    for (std::size_t u = 0; u < light_.size(); ++u)
+      if (light_[u]) light.push_back(static_cast<std::int64_t>(u));
+    plan.slaves.resize(light.size());
+    tbb::parallel_for(std::size_t{0}, light.size(), [&](std::size_t s) {
+      plan.slaves[s].unknown = light[s];
       if (remedy_ != LightFunctions::Remove) follow(plan.slaves[s]);
     });
     return plan;
   }
 
  private:
-  template <class Visit> void for_functions(std::int64_t cell, Visit visit) const {
-    for (const std::int32_t f : model_.functions_of(static_cast<std::size_t>(cell))) visit(std::int64_t{f});
+  template <class Visit> void for_unknowns(std::int64_t cell, Visit visit) const {
+    for (const std::int32_t u : unknowns_.of(static_cast<std::size_t>(cell))) visit(std::int64_t{u});
   }
 
   void find_neighbours() {
@@ -91,7 +113,13 @@ class Planner {
       neighbours_[next[static_cast<std::size_t>(links[l])]++] = links[l + 1];
       neighbours_[next[static_cast<std::size_t>(links[l + 1])]++] = links[l];
     }
-    cells_ = cells_by_function(model_);
+    first_cell_.assign(light_.size() + 1, 0);
+    for (const std::int32_t u : unknowns_.unknowns) ++first_cell_[static_cast<std::size_t>(u) + 1];
+    std::partial_sum(first_cell_.begin(), first_cell_.end(), first_cell_.begin());
+    cells_.resize(unknowns_.unknowns.size());
+    next.assign(first_cell_.begin(), first_cell_.end() - 1);
+    for (std::size_t c = 0; c < model_.num_cells(); ++c)
+      for (const std::int32_t u : unknowns_.of(c)) cells_[next[static_cast<std::size_t>(u)]++] = static_cast<std::int32_t>(c);
   }
 
   std::span<const std::int32_t> neighbours(std::int32_t cell) const {
@@ -99,9 +127,9 @@ class Planner {
     return std::span(neighbours_).subspan(first_neighbour_[c], first_neighbour_[c + 1] - first_neighbour_[c]);
   }
 
-  bool is_good(std::int64_t span) const {
+  bool is_good(std::int64_t cell) const {
     bool good = true;
-    for_functions(span, [&](std::int64_t f) { good = good && !light_[static_cast<std::size_t>(f)]; });
+    for_unknowns(cell, [&](std::int64_t u) { good = good && !light_[static_cast<std::size_t>(u)]; });
     return good;
   }
 
@@ -134,8 +162,8 @@ class Planner {
     while (threshold > lowest_threshold && !any_good()) {
       threshold /= 10;
       for (const std::int32_t a : part)
-        for_functions(a, [&](std::int64_t f) {
-          light_[static_cast<std::size_t>(f)] = model_.functions.mass_fraction[static_cast<std::size_t>(f)] < threshold;
+        for_unknowns(a, [&](std::int64_t u) {
+          light_[static_cast<std::size_t>(u)] = model_.unknown_mass_fraction()[static_cast<std::size_t>(u)] < threshold;
         });
       for (const std::int32_t a : part) good_[static_cast<std::size_t>(a)] = is_good(a);
     }
@@ -143,7 +171,7 @@ class Planner {
       fictitious_.resize(model_.cells.span.size());
       for (const std::int32_t a : part) {
         fictitious_[static_cast<std::size_t>(a)] = fictitious_share;
-        for_functions(a, [&](std::int64_t f) { light_[static_cast<std::size_t>(f)] = 0; });
+        for_unknowns(a, [&](std::int64_t u) { light_[static_cast<std::size_t>(u)] = 0; });
       }
     }
     const Index3 ijk = model_.grid.span_index(model_.cells.span[static_cast<std::size_t>(part.front())]);
@@ -160,18 +188,53 @@ class Planner {
         span_advice(model_, {part.begin(), part.end()})));
   }
 
-  // Breadth-first from the function's cells through links; a few rings beyond the first good span, where a nearer one
+  Coefficient coefficient(std::int64_t unknown, std::size_t d) const {
+    const KnotVector& knots = model_.grid.knots(static_cast<int>(d));
+    const auto p = static_cast<std::size_t>(knots.degree());
+    const auto u = static_cast<std::size_t>(unknown);
+    Coefficient c;
+    const std::int64_t function = model_.unknowns.empty() ? unknown : model_.unknowns.function[u];
+    if (function >= 0) {
+      const auto i = static_cast<std::size_t>(
+          model_.grid.function_index(model_.functions.number[static_cast<std::size_t>(function)])[d]);
+      for (std::size_t k = 0; k < p; ++k) c.knots[k] = knots.values()[i + 1 + k];
+      c.greville = knots.greville(static_cast<std::int64_t>(i));
+      return c;
+    }
+    // A Bernstein coefficient: the ends of its span, the upper one as often as its Greville point lies p-ths from below.
+    c.greville = model_.unknowns.parameters[3 * u + d];
+    const std::int64_t span = knots.find_span(c.greville);
+    const double low = knots.lower(span), high = knots.upper(span);
+    const auto upper = static_cast<std::size_t>(std::lround(static_cast<double>(p) * (c.greville - low) / (high - low)));
+    std::fill_n(c.knots.begin(), p, low);
+    std::fill_n(c.knots.begin(), std::min(upper, p), high);
+    return c;
+  }
+
+  // Breadth-first from the unknown's cells through links; a few rings beyond the first good cell, where a nearer one
   // may be.
-  std::int32_t nearest_good_span(std::int64_t f) const {
-    const Index3 i = model_.grid.function_index(model_.functions.number[static_cast<std::size_t>(f)]);
-    const auto p = model_.grid.degree();
-    const auto distance = [&](std::int32_t a) { // squared and times four: whole numbers
+  std::int32_t nearest_good_cell(std::int64_t unknown) const {
+    Point3 centre; // of its support, or its Greville point, in spans less one half
+    const std::int64_t function =
+        model_.unknowns.empty() ? unknown : model_.unknowns.function[static_cast<std::size_t>(unknown)];
+    for (std::size_t d = 0; d < 3; ++d)
+      if (function >= 0) {
+        const Index3 i = model_.grid.function_index(model_.functions.number[static_cast<std::size_t>(function)]);
+        centre[d] = static_cast<double>(i[d]) - 0.5 * model_.grid.degree()[d];
+      } else {
+        centre[d] = (model_.unknowns.parameters[3 * static_cast<std::size_t>(unknown) + d] - model_.grid.A()[d]) /
+                        model_.grid.span_size()[d] -
+                    0.5;
+      }
+    const auto distance = [&](std::int32_t a) { // squared
       const Index3 s = model_.grid.span_index(model_.cells.span[static_cast<std::size_t>(a)]);
-      std::int64_t sum = 0;
-      for (std::size_t d = 0; d < 3; ++d) sum += (2 * (i[d] - s[d]) - p[d]) * (2 * (i[d] - s[d]) - p[d]);
+      double sum = 0;
+      for (std::size_t d = 0; d < 3; ++d)
+        sum += (centre[d] - static_cast<double>(s[d])) * (centre[d] - static_cast<double>(s[d]));
       return sum;
     };
-    const auto own = cells_.of(f);
+    const auto u = static_cast<std::size_t>(unknown);
+    const auto own = std::span(cells_).subspan(first_cell_[u], first_cell_[u + 1] - first_cell_[u]);
     std::vector<std::int32_t> ring(own.begin(), own.end()), next;
     std::unordered_map<std::int32_t, char> seen;
     for (const std::int32_t a : ring) seen[a] = 1;
@@ -192,25 +255,35 @@ class Planner {
   }
 
   void follow(Slave& slave) const {
-    const std::int32_t span = nearest_good_span(slave.function);
-    if (span < 0)
+    const std::int32_t cell = nearest_good_cell(slave.unknown);
+    if (cell < 0)
       throw NumericalError(
-          fmt::format("light function {}: no good span is connected with its support", slave.function));
-    const Index3 i = model_.grid.function_index(model_.functions.number[static_cast<std::size_t>(slave.function)]);
-    const Index3 s = model_.grid.span_index(model_.cells.span[static_cast<std::size_t>(span)]);
+          fmt::format("light function {}: no good cell is connected with its support", slave.unknown));
+    const Index3 s = model_.grid.span_index(model_.cells.span[static_cast<std::size_t>(cell)]);
     const auto p = model_.grid.degree();
     double weights[3][max_degree + 1];
     for (std::size_t d = 0; d < 3; ++d)
-      (remedy_ == LightFunctions::Linear ? linear_weights : degree_p_weights)(model_.grid.knots(static_cast<int>(d)),
-                                                                              s[d], i[d], weights[d]);
+      (remedy_ == LightFunctions::Linear ? linear_weights : degree_p_weights)(
+          model_.grid.knots(static_cast<int>(d)), s[d], coefficient(slave.unknown, d),
+          std::span(weights[d]).first(static_cast<std::size_t>(p[d]) + 1));
+    std::map<std::int64_t, double> masters;
     std::size_t entry = 0;
-    for_functions(span, [&](std::int64_t f) {
+    for (const std::int32_t f : model_.functions_of(static_cast<std::size_t>(cell))) {
       const std::size_t a = entry % static_cast<std::size_t>(p[0] + 1), bc = entry / static_cast<std::size_t>(p[0] + 1);
       const std::size_t b = bc % static_cast<std::size_t>(p[1] + 1), c = bc / static_cast<std::size_t>(p[1] + 1);
       const double weight = weights[0][a] * weights[1][b] * weights[2][c];
-      if (weight != 0) slave.masters.emplace_back(f, weight);
       ++entry;
-    });
+      if (weight == 0) continue;
+      if (model_.unknowns.empty()) {
+        masters[f] = weight;
+        continue;
+      }
+      const auto& offsets = model_.unknowns.offsets;
+      for (auto t = static_cast<std::size_t>(offsets[static_cast<std::size_t>(f)]);
+           t < static_cast<std::size_t>(offsets[static_cast<std::size_t>(f) + 1]); ++t)
+        masters[model_.unknowns.terms[t]] += weight * model_.unknowns.weights[t];
+    }
+    slave.masters.assign(masters.begin(), masters.end());
   }
 
   const TrimmedModel& model_;
@@ -220,7 +293,9 @@ class Planner {
   std::vector<double> fictitious_;
   std::vector<std::size_t> first_neighbour_; // (num_cells + 1)
   std::vector<std::int32_t> neighbours_;     // linked cells
-  FunctionCells cells_;
+  CellUnknowns unknowns_;
+  std::vector<std::size_t> first_cell_; // (n_u + 1)
+  std::vector<std::int32_t> cells_;     // of each unknown, ascending
 };
 
 } // namespace

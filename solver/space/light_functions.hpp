@@ -7,14 +7,14 @@
 
 namespace iga::solve {
 
-/// One light function as a combination of others; entries are positions in model.functions.
+/// One light unknown as a combination of others; where no gap ends, unknowns are the entries of model.functions.
 struct Slave {
-  std::int64_t function = 0;
+  std::int64_t unknown = 0;
   std::vector<std::pair<std::int64_t, double>> masters; ///< ascending; empty: the coefficient is zero
 };
 
 struct LightFunctionPlan {
-  std::vector<Slave> slaves;      ///< ascending function
+  std::vector<Slave> slaves;      ///< ascending unknown
   std::vector<double> fictitious; ///< (num_cells): SolutionSpace::fictitious_share; empty: nowhere
   std::vector<std::string> warnings;
 };

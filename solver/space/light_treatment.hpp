@@ -19,6 +19,9 @@ constexpr bool extends(LightFunctions remedy) {
 struct LightTreatment {
   LightFunctions remedy = LightFunctions::None;
   double threshold = 0; ///< mass fraction below which a function is light
+  /// The threshold in models where gaps end, if not negative: beside the end of a gap nearly every cut cell has light
+  /// functions, so that good cells are far, and polynomials of degree p grow too fast on the way (10^7 at p = 4).
+  double threshold_with_gap_ends = -1;
 };
 
 } // namespace iga::solve

@@ -22,36 +22,58 @@ struct LocalSpace {
 
 SolutionSpace::SolutionSpace(const TrimmedModel& model, const LightTreatment& treatment)
     : model_(&model), treatment_(treatment) {
-  LightFunctionPlan plan = plan_light_functions(model, treatment);
+  if (!model.unknowns.empty() && treatment.threshold_with_gap_ends >= 0)
+    treatment_.threshold = treatment.threshold_with_gap_ends;
+  LightFunctionPlan plan = plan_light_functions(model, treatment_);
   warnings_ = std::move(plan.warnings);
   fictitious_ = std::move(plan.fictitious);
   num_light_ = static_cast<std::int64_t>(plan.slaves.size());
 
-  const std::size_t num_functions = model.functions.number.size();
-  std::vector<std::int32_t> slave_of(num_functions, -1), node_of(num_functions, -1);
+  const std::size_t num_unknowns = model.num_unknowns();
+  std::vector<std::int32_t> slave_of(num_unknowns, -1), node_of(num_unknowns, -1);
   for (std::size_t s = 0; s < plan.slaves.size(); ++s)
-    slave_of[static_cast<std::size_t>(plan.slaves[s].function)] = static_cast<std::int32_t>(s);
-  for (std::size_t f = 0; f < num_functions; ++f)
-    if (slave_of[f] < 0) {
-      node_of[f] = static_cast<std::int32_t>(node_function_.size());
-      node_function_.push_back(static_cast<std::int64_t>(f));
+    slave_of[static_cast<std::size_t>(plan.slaves[s].unknown)] = static_cast<std::int32_t>(s);
+  for (std::size_t u = 0; u < num_unknowns; ++u)
+    if (slave_of[u] < 0) {
+      node_of[u] = static_cast<std::int32_t>(node_unknown_.size());
+      node_unknown_.push_back(static_cast<std::int64_t>(u));
     }
-  if (node_function_.empty())
+  if (node_unknown_.empty())
     throw InputError(fmt::format("all {} functions are light (mass fraction below {:.3g}) and removed; lower the "
                                  "threshold or choose smaller spans",
-                                 num_functions, treatment.threshold));
+                                 num_unknowns, treatment_.threshold));
 
   std::vector<Eigen::Triplet<double>> entries;
-  for (std::size_t f = 0; f < num_functions; ++f) {
-    const auto row = static_cast<std::int32_t>(f);
-    if (node_of[f] >= 0)
-      entries.emplace_back(row, node_of[f], 1.0);
+  for (std::size_t u = 0; u < num_unknowns; ++u) {
+    const auto row = static_cast<std::int32_t>(u);
+    if (node_of[u] >= 0)
+      entries.emplace_back(row, node_of[u], 1.0);
     else
-      for (const auto& [master, weight] : plan.slaves[static_cast<std::size_t>(slave_of[f])].masters)
+      for (const auto& [master, weight] : plan.slaves[static_cast<std::size_t>(slave_of[u])].masters)
         entries.emplace_back(row, node_of[static_cast<std::size_t>(master)], weight);
   }
-  extension_.resize(static_cast<Eigen::Index>(num_functions), static_cast<Eigen::Index>(node_function_.size()));
+  const auto num_nodes = static_cast<Eigen::Index>(node_unknown_.size());
+  extension_.resize(static_cast<Eigen::Index>(num_unknowns), num_nodes);
   extension_.setFromTriplets(entries.begin(), entries.end());
+  if (!model.unknowns.empty()) {
+    const auto num_functions = static_cast<Eigen::Index>(model.functions.number.size());
+    entries.clear();
+    for (std::size_t f = 0; f + 1 < model.unknowns.offsets.size(); ++f)
+      for (auto t = static_cast<std::size_t>(model.unknowns.offsets[f]);
+           t < static_cast<std::size_t>(model.unknowns.offsets[f + 1]); ++t)
+        entries.emplace_back(static_cast<std::int32_t>(f), model.unknowns.terms[t], model.unknowns.weights[t]);
+    Eigen::SparseMatrix<double, Eigen::RowMajor> rows(num_functions, static_cast<Eigen::Index>(num_unknowns));
+    rows.setFromTriplets(entries.begin(), entries.end());
+    unknown_extension_.swap(extension_);
+    extension_ = rows * unknown_extension_;
+  }
+  // A function that is a node: its row has nothing else.
+  std::vector<std::uint8_t> is_node(model.functions.number.size(), model.unknowns.empty());
+  for (std::size_t u = 0; u < num_unknowns; ++u) {
+    const std::int64_t f =
+        model.unknowns.empty() ? static_cast<std::int64_t>(u) : std::int64_t{model.unknowns.function[u]};
+    if (f >= 0) is_node[static_cast<std::size_t>(f)] = node_of[u] >= 0;
+  }
 
   std::vector<LocalSpace> local(model.num_cells());
   tbb::parallel_for(std::size_t{0}, local.size(), [&](std::size_t a) {
@@ -59,7 +81,7 @@ SolutionSpace::SolutionSpace(const TrimmedModel& model, const LightTreatment& tr
     bool plain = true;
     auto& nodes = local[a].nodes;
     for (const std::int32_t f : functions) {
-      plain = plain && node_of[static_cast<std::size_t>(f)] >= 0;
+      plain = plain && is_node[static_cast<std::size_t>(f)] != 0;
       for (decltype(extension_)::InnerIterator it(extension_, static_cast<Eigen::Index>(f)); it; ++it)
         nodes.push_back(static_cast<std::int32_t>(it.col()));
     }
@@ -152,9 +174,17 @@ const Eigen::MatrixXd& SolutionSpace::local_extension(std::int64_t a) const {
 Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> SolutionSpace::node_points() const {
   Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> points(num_nodes(), 3);
   for (Eigen::Index n = 0; n < points.rows(); ++n) {
+    const auto u = static_cast<std::size_t>(node_unknown_[static_cast<std::size_t>(n)]);
     const std::int64_t f =
-        model_->functions.number[static_cast<std::size_t>(node_function_[static_cast<std::size_t>(n)])];
-    const Point3 x = model_->grid.control_point(model_->grid.function_index(f));
+        model_->unknowns.empty() ? static_cast<std::int64_t>(u) : std::int64_t{model_->unknowns.function[u]};
+    Point3 x;
+    if (f >= 0) {
+      x = model_->grid.control_point(
+          model_->grid.function_index(model_->functions.number[static_cast<std::size_t>(f)]));
+    } else {
+      const auto parameter = std::span(model_->unknowns.parameters).subspan(3 * u, 3);
+      x = model_->grid.to_position({parameter[0], parameter[1], parameter[2]});
+    }
     points.row(n) << x[0], x[1], x[2];
   }
   return points;

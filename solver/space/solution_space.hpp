@@ -10,8 +10,9 @@
 namespace iga::solve {
 
 /// Spline space of vector fields u(x) = Σ N_i(x) c_i on the cells of a model.
-/// A *node* is a function that carries unknowns; nodes are numbered 0 … num_nodes() - 1 in the functions' order;
-/// component d of node i is unknown 3 i + d. Coefficients are vectors in the frame of the part.
+/// A *node* is an unknown of the model that carries a coefficient of its own: a function, or beside the end of a gap a
+/// Bernstein function. Nodes are numbered 0 … num_nodes() - 1 in the order of the model's unknowns; component d of node i
+/// is unknown 3 i + d of the equations. Coefficients are vectors in the frame of the part.
 /// Under an extension the shape functions of a node are its own function plus the extrapolated share of the light ones:
 /// everything built on `evaluate` (matrices, loads, samples) is extended without knowing it.
 class SolutionSpace {
@@ -21,7 +22,7 @@ class SolutionSpace {
 
   const TrimmedModel& model() const { return *model_; }
   const LightTreatment& treatment() const { return treatment_; }
-  std::int64_t num_nodes() const { return static_cast<std::int64_t>(node_function_.size()); }
+  std::int64_t num_nodes() const { return static_cast<std::int64_t>(node_unknown_.size()); }
   std::int64_t num_unknowns() const { return 3 * num_nodes(); }
   std::int64_t num_cells() const { return static_cast<std::int64_t>(model_->num_cells()); }
   std::int64_t num_light() const { return num_light_; }
@@ -40,13 +41,19 @@ class SolutionSpace {
     const auto first = static_cast<std::size_t>(offsets_[static_cast<std::size_t>(a)]);
     return {nodes_.data() + first, static_cast<std::size_t>(offsets_[static_cast<std::size_t>(a) + 1]) - first};
   }
-  /// Position of each node's function in model().functions.number; (num_nodes), ascending.
-  std::span<const std::int64_t> node_functions() const { return node_function_; }
+  /// Each node's unknown of the model (its function, where no gap ends); (num_nodes), ascending.
+  std::span<const std::int64_t> node_unknowns() const { return node_unknown_; }
+  /// Is every function a node?
+  bool is_plain() const { return num_light_ == 0 && model_->unknowns.empty(); }
   /// Greville point (length, the part's frame) of each node; a linear field has these coefficients:
   /// Σ N_i(x) (G g_i + c) = G x + c. (num_nodes × 3)
   Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> node_points() const;
   /// Coefficients of all functions from those of the nodes: (n_f × num_nodes); identity rows for nodes.
   const Eigen::SparseMatrix<double, Eigen::RowMajor>& extension() const { return extension_; }
+  /// The model's unknowns from those of the nodes: (n_u × num_nodes); the same as extension() where no gap ends.
+  const Eigen::SparseMatrix<double, Eigen::RowMajor>& unknown_extension() const {
+    return model_->unknowns.empty() ? extension_ : unknown_extension_;
+  }
   /// (num_unknowns) → (3 n_f), component fastest.
   Eigen::VectorXd expand(const Eigen::Ref<const Eigen::VectorXd>& unknowns) const;
 
@@ -60,10 +67,10 @@ class SolutionSpace {
   std::int64_t num_light_ = 0;
   std::vector<std::string> warnings_;
   std::vector<double> fictitious_; // (num_active), or empty: nowhere
-  std::vector<std::int64_t> node_function_;
+  std::vector<std::int64_t> node_unknown_;
   std::vector<std::int64_t> offsets_;
   std::vector<std::int32_t> nodes_;
-  Eigen::SparseMatrix<double, Eigen::RowMajor> extension_;
+  Eigen::SparseMatrix<double, Eigen::RowMajor> extension_, unknown_extension_;
   std::vector<std::int32_t> local_extension_index_; // per span: entry of local_extensions_, -1 for plain spans
   std::vector<Eigen::MatrixXd> local_extensions_;
 };

@@ -105,7 +105,7 @@ TEST_P(SolutionSpaceDegrees, DegreePExtensionReproducesPolynomialsOfTheDegree) {
   };
   Eigen::VectorXd nodes(space.num_nodes());
   for (Eigen::Index n = 0; n < nodes.size(); ++n)
-    nodes[n] = coefficient(space.node_functions()[static_cast<std::size_t>(n)]);
+    nodes[n] = coefficient(space.node_unknowns()[static_cast<std::size_t>(n)]);
   const Eigen::VectorXd all = space.extension() * nodes;
   for (Eigen::Index f = 0; f < all.size(); ++f) EXPECT_NEAR(all[f], coefficient(f), 1e-9);
 }

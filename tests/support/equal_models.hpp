@@ -58,6 +58,12 @@ inline void expect_equal(const TrimmedModel& a, const TrimmedModel& b) {
   EXPECT_EQ(a.points.residual, b.points.residual);
   expect_equal(a.quadrature, b.quadrature);
   EXPECT_EQ(a.functions.number, b.functions.number);
+  EXPECT_EQ(a.unknowns.offsets, b.unknowns.offsets);
+  EXPECT_EQ(a.unknowns.terms, b.unknowns.terms);
+  EXPECT_EQ(a.unknowns.weights, b.unknowns.weights);
+  EXPECT_EQ(a.unknowns.function, b.unknowns.function);
+  EXPECT_EQ(a.unknowns.parameters, b.unknowns.parameters);
+  EXPECT_EQ(a.unknowns.mass_fraction, b.unknowns.mass_fraction);
   EXPECT_EQ(a.functions.mass_fraction, b.functions.mass_fraction);
   EXPECT_EQ(a.surface.mesh.vertices, b.surface.mesh.vertices);
   EXPECT_EQ(a.surface.mesh.triangles, b.surface.mesh.triangles);

@@ -50,7 +50,7 @@ ExplicitBody::ExplicitBody(const TrimmedModel& model, const BodySettings& settin
       small_strain_(solve::small_strain(law)),
       mass_(body_mass(settings, *space_, connectivity_, small_strain_.density)),
       forces_(make_internal_forces(*space_, law, settings.kernel)) {
-  plain_ = space_->num_nodes() == space_->extension().rows();
+  plain_ = space_->is_plain();
   if (!plain_) {
     transposed_ = space_->extension().transpose();
     full_u_.resize(3 * space_->extension().rows());
@@ -100,9 +100,9 @@ void ExplicitBody::set_velocity(const std::function<Point3(const Point3&)>& fiel
     }
   }
   VectorXd coefficients(num_unknowns());
-  const auto functions = space_->node_functions();
-  for (std::size_t n = 0; n < functions.size(); ++n) {
-    const auto row = sums.row(functions[n]);
+  const auto unknowns = space_->node_unknowns();
+  for (std::size_t n = 0; n < unknowns.size(); ++n) {
+    const auto row = sums.row(unknowns[n]);
     // Functions without mass in the rule: the field at their Greville point.
     const auto x = points_.row(static_cast<Eigen::Index>(n));
     const Point3 otherwise = row[3] > 0 ? Point3{} : field({x[0], x[1], x[2]});

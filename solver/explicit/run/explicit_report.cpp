@@ -80,7 +80,7 @@ std::string explicit_text(const ExplicitOutcome& o) {
                 name_of(run.bodies[b].body.mass));
     report.line("", "critical step {:.6g} by {}; {} of {} functions light: {}", limit.dt,
                 limit.by_lanczos ? "Lanczos" : "the bound of single spans", body.space().num_light(),
-                body.space().model().functions.number.size(), name_of(body.space().treatment().remedy));
+                body.space().model().num_unknowns(), name_of(body.space().treatment().remedy));
     if (integrator.inverted(b) > 0 || integrator.eroded(b) > 0)
       report.line("", "{} times a point inverted, {} points taken out", integrator.inverted(b), integrator.eroded(b));
   }

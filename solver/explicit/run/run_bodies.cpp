@@ -30,6 +30,7 @@ LightTreatment read_light(io::SettingsTable& table, MassType mass) {
     if (!(*threshold >= 0 && *threshold < 1))
       refuse(table, "light_threshold", fmt::format("found {:g}, expected a mass fraction 0 … 1", *threshold));
     light.threshold = *threshold;
+    light.threshold_with_gap_ends = -1;
   }
   return light;
 }
