@@ -1,4 +1,4 @@
-"""Surfaces in STL files: reading, and what their triangles enclose."""
+"""Surfaces in STL files: reading, writing, and what their triangles enclose."""
 import numpy as np
 
 
@@ -22,3 +22,13 @@ def surface_figures(triangles):
     volume = six_volumes.sum() / 6
     centroid = middle + ((a + b + c) * six_volumes[:, None]).sum(axis=0) / (24 * volume)
     return volume, centroid, np.linalg.norm(normals, axis=1).sum() / 2
+
+
+def write_stl(path, triangles):
+    """Text STL of triangles (n, 3, 3), with 17 digits."""
+    with open(path, "w") as file:
+        file.write("solid part\n")
+        for triangle in triangles:
+            lines = ["vertex " + " ".join(f"{x:.17g}" for x in corner) for corner in triangle]
+            file.write("\n".join(["facet normal 0 0 0", "outer loop", *lines, "endloop", "endfacet", ""]))
+        file.write("endsolid part\n")
