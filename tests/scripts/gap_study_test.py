@@ -105,8 +105,8 @@ class Copies(unittest.TestCase):
         number, functions = model["/functions/number"], model["/cells/functions"]
         copies = np.bincount(number)
         self.assertGreater((copies > 1).sum(), 0)
-        decided = 0
-        for f in np.flatnonzero(copies):
+        decided, looked_at = 0, np.flatnonzero((copies > 1) | (copies > 0) & (np.arange(len(copies)) % 3 == 0))
+        for f in looked_at:
             ijk = model.split_numbers(np.array([f]), model.functions)[0]
             low, high = np.maximum(ijk - degree, 0), np.minimum(ijk, counts - 1) + 1
             a, b = (np.array([k[n] for k, n in zip(knots, at)]) for at in (low, high))
@@ -122,7 +122,7 @@ class Copies(unittest.TestCase):
             self.assertLessEqual(joined.sum(1).max(), 1, f"function {f}: one connected part, several copies")
             self.assertLessEqual(apart.sum(0).max(), 1, f"function {f}: one copy of separate parts")
             decided += parts == blocks == copies[f]
-        self.assertGreater(decided, 0.6 * (copies > 0).sum())
+        self.assertGreater(decided, 0.6 * len(looked_at))
 
 
 class Frequencies(unittest.TestCase):
@@ -147,7 +147,7 @@ class Frequencies(unittest.TestCase):
         self.assertTrue((errors[1] < errors[0]).all(), f"{part.name}: {errors}")
 
     def test_of_the_bracket_fall_towards_those_of_tetrahedra(self):
-        self.compare(gap_parts.bracket(), {20: 0.075, 10: 0.022})
+        self.compare(gap_parts.bracket(), {20: 0.075, 14: 0.045})
 
     def test_of_the_perforated_sheet_fall_towards_those_of_tetrahedra(self):
         self.compare(gap_parts.perforated_sheet(), {5: 0.175, 2.5: 0.085})
