@@ -17,12 +17,10 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-import iga_results  # noqa: E402
-from measured_run import RunError, report  # noqa: E402
-from run_samples import read_stl  # noqa: E402
+from igatools import ROOT, iga_results
+from igatools.measured_run import RunError, report
+from igatools.stl import read_stl
 
-ROOT = Path(__file__).resolve().parent.parent
 GRAVITY = 9.81e-3  # mm/ms²
 GAP = 0.01  # of a span, between the lowest point and the plane at the start
 WINDOWS = 60  # of the run: forces are averaged over one

@@ -14,7 +14,8 @@ import sys
 from pathlib import Path
 
 import numpy as np
-import iga_results
+
+from igatools import iga_results
 
 OFFSET = 1e-3   # outwards, in mean edges
 FACING = -0.1   # faces look against each other below this cosine

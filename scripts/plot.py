@@ -21,7 +21,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
-import iga_results  # noqa: E402
+from igatools import iga_results  # noqa: E402
 
 MARKERS = "osD^vP*X"
 TEXT_COLOUR = "#20242a"

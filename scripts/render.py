@@ -71,7 +71,7 @@ def main():
         sys.exit(f"render.py: {file}: no such file")
     need_a_screen()
     if arguments.choices:
-        import render_choices
+        from igatools import render_choices
         render_choices.draw(arguments)
         return
     import h5py  # only after the screen is there
@@ -86,19 +86,19 @@ def main():
     folder = output.parent if is_picture else output
     folder.mkdir(parents=True, exist_ok=True)
     if arguments.pieces:
-        import render_pieces
+        from igatools import render_pieces
         render_pieces.draw(arguments, output if is_picture else folder / f"{arguments.file.stem}_pieces.png")
     elif format_name in ("iga-trimmed-solid-results", b"iga-trimmed-solid-results"):
         with h5py.File(arguments.file) as file:
             explicit = "time_series" in file
         if explicit:
-            import render_frames
+            from igatools import render_frames
             render_frames.draw(arguments, folder)
         else:
-            import render_results
+            from igatools import render_results
             render_results.draw(arguments, folder)
     else:
-        import render_model
+        from igatools import render_model
         render_model.draw(arguments, folder)
 
 

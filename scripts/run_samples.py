@@ -5,8 +5,9 @@
   scripts/run_samples.py 03_sphere 04_torus   these ones
   scripts/run_samples.py --bin DIR --parts DIR --work DIR …
 
-A sample with a run.toml is run through igasolve static too. Besides the figures of expected.toml, every model is held against its STL: volume, centroid and area of the surface are
-computed here from the file's triangles, without any of the project's C++ code.
+A sample with a run.toml is run through igasolve static too. Besides the figures of expected.toml, every model is held against
+its STL: volume, centroid and area of the surface are computed here from the file's triangles, without any of the project's C++
+code.
 """
 import argparse
 import json
@@ -17,32 +18,12 @@ from pathlib import Path
 
 import numpy as np
 
-ROOT = Path(__file__).resolve().parent.parent
+from igatools import ROOT
+from igatools.stl import read_stl, surface_figures
+
 SURFACE_TOLERANCE = 1e-11   # same triangles, summed in another order
 POINTS_TOLERANCE = 1e-9     # the program's own bound on the volume of all points
 RESIDUAL_TOLERANCE = 1e-10  # the default bound on every span's moments
-
-
-def read_stl(path):
-    """Triangles (n, 3, 3) of a binary or text STL."""
-    data = path.read_bytes()
-    count = int.from_bytes(data[80:84], "little")
-    if len(data) == 84 + 50 * count:
-        facets = np.frombuffer(data, dtype=np.uint8, offset=84).reshape(count, 50)
-        return facets[:, 12:48].copy().view("<f4").reshape(count, 3, 3).astype(float)
-    words = [line.split()[1:] for line in data.decode().splitlines() if line.strip().startswith("vertex")]
-    return np.array(words, dtype=float).reshape(-1, 3, 3)
-
-
-def surface_figures(triangles):
-    """Volume, centroid and area by the divergence theorem, about the middle of the part."""
-    middle = (triangles.min(axis=(0, 1)) + triangles.max(axis=(0, 1))) / 2
-    a, b, c = np.moveaxis(triangles - middle, 1, 0)
-    normals = np.cross(b - a, c - a)
-    six_volumes = np.einsum("ij,ij->i", a, np.cross(b, c))
-    volume = six_volumes.sum() / 6
-    centroid = middle + ((a + b + c) * six_volumes[:, None]).sum(axis=0) / (24 * volume)
-    return volume, centroid, np.linalg.norm(normals, axis=1).sum() / 2
 
 
 def run(command, work):
@@ -53,18 +34,6 @@ def run(command, work):
     if "HDF5-DIAG" in done.stderr:
         raise AssertionError(f"{Path(command[0]).name} printed an HDF5 error stack:\n{done.stderr}")
     return done.stdout
-
-
-def moved_run(settings, model, *changes):
-    """Text of a sample's run file for a model elsewhere and to be stored anywhere; each change (before, after) must apply."""
-    text = "\n".join(f'model = "{Path(model).resolve()}"' if line.startswith("model = ") else line
-                     for line in settings.read_text().splitlines()) + "\n"
-    curve = ('"yield_curve.csv"', f'"{settings.with_name("yield_curve.csv").resolve()}"')
-    for before, after in [*([curve] if curve[0] in text else []), *changes]:
-        if before not in text:
-            raise ValueError(f"{settings} does not hold {before!r}")
-        text = text.replace(before, after)
-    return text
 
 
 def look_up(report, key):

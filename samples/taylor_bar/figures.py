@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
-import iga_results  # noqa: E402
+from igatools import iga_results  # noqa: E402
 
 
 def figures(results):

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <filesystem>
 #include <gtest/gtest.h>
+#include <map>
 #include <numbers>
 #include <set>
 #include <tbb/global_control.h>
@@ -333,6 +334,67 @@ TEST(Cells, BoreWithinAFaceIsNoGap) {
     EXPECT_EQ(s.counts.copied_functions, 0);
     expect_connected_copies(grid, s);
   }
+}
+
+// A sheet of `across` × `along` square tiles with a hole each: a regular polygon of eight corners, its radius by tile.
+// Rings of quadrilaterals lie between the holes and the tiles' edges.
+template <class Radius>
+TriangleMesh perforated_sheet(int across, int along, double tile, double thickness, Radius radius) {
+  TriangleMesh m;
+  std::map<std::array<long, 3>, std::int32_t>
+      numbers; // of vertices, by rounded place: tiles share those of their edges
+  const auto vertex = [&](double x, double y, double z) {
+    const auto [at, is_new] = numbers.try_emplace({std::lround(1e6 * x), std::lround(1e6 * y), std::lround(1e6 * z)},
+                                                  static_cast<std::int32_t>(m.vertices.size()));
+    if (is_new) m.vertices.push_back({x, y, z});
+    return at->second;
+  };
+  const auto quad = [&](std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d) {
+    m.triangles.push_back({a, b, c});
+    m.triangles.push_back({a, c, d});
+  };
+  for (int i = 0; i < across; ++i)
+    for (int j = 0; j < along; ++j) {
+      std::array<std::array<std::int32_t, 8>, 2> hole, edge; // bottom, top
+      for (std::size_t n = 0; n < 8; ++n) {
+        const double a = std::numbers::pi * static_cast<double>(n) / 4, c = std::cos(a), s = std::sin(a);
+        const double x = tile * (i + 0.5), y = tile * (j + 0.5), r = radius(i, j),
+                     R = 0.5 * tile / std::max(std::abs(c), std::abs(s));
+        for (std::size_t side = 0; side < 2; ++side) {
+          const double z = side == 0 ? 0 : thickness;
+          hole[side][n] = vertex(x + r * c, y + r * s, z);
+          edge[side][n] = vertex(x + R * c, y + R * s, z);
+        }
+      }
+      for (std::size_t n = 0; n < 8; ++n) {
+        const std::size_t k = (n + 1) % 8;
+        quad(hole[1][n], edge[1][n], edge[1][k], hole[1][k]);
+        quad(hole[0][k], edge[0][k], edge[0][n], hole[0][n]);
+        quad(hole[0][n], hole[1][n], hole[1][k], hole[0][k]);
+        const bool rim = (i == across - 1 && (n == 7 || n == 0)) || (j == along - 1 && (n == 1 || n == 2)) ||
+                         (i == 0 && (n == 3 || n == 4)) || (j == 0 && (n == 5 || n == 6));
+        if (rim) quad(edge[0][n], edge[0][k], edge[1][k], edge[1][n]);
+      }
+    }
+  m.region.assign(m.triangles.size(), 0);
+  m.region_names = {"sheet"};
+  return m;
+}
+
+TEST(Cells, PerforatedSheetThinnerThanASpan) {
+  // Holes much smaller than a span in one half, about as large as a span in the other.
+  const TriangleMesh sheet = transformed(perforated_sheet(8, 6, 6, 1.5, [](int i, int) { return i < 4 ? 0.4 : 2.6; }),
+                                         rotation(13, 9), {0.1, 0.2, 0.3});
+  for (const double size : {8.0, 5.0, 2.7})
+    for (int degree = 1; degree <= 4; ++degree) {
+      const SplineGrid grid = grid_around(sheet, size, degree, 0.37);
+      const Split s = split(grid, sheet);
+      EXPECT_EQ(s.counts.components, 1) << size << " p" << degree;
+      expect_sound(grid, s);
+      if (degree == 1) {
+        EXPECT_GT(s.counts.copied_functions, 0) << size;
+      }
+    }
 }
 
 TEST(Cells, DoNotDependOnTheNumberOfThreads) {

@@ -12,8 +12,7 @@ import numpy as np
 
 SOURCE, TOOL = (Path(argument) for argument in sys.argv[1:3])
 sys.path.insert(0, str(SOURCE / "scripts"))
-import iga_model  # noqa: E402
-import iga_results  # noqa: E402
+from igatools import iga_model, iga_results  # noqa: E402
 from schema_cases import SchemaCases  # noqa: E402
 
 
@@ -74,7 +73,7 @@ class ResultsSchemaTest(SchemaCases, unittest.TestCase):
         self.assertEqual(results.elastic(), [7, 8])
 
     def test_command(self):
-        command = [sys.executable, SOURCE / "scripts" / "iga_results.py"]
+        command = [sys.executable, SOURCE / "scripts" / "igatools" / "iga_results.py"]
         for kind in ("eigen", "static", "full"):
             done = subprocess.run([*command, self.path / f"{kind}.h5", "--json"], capture_output=True, text=True)
             self.assertEqual(done.returncode, 0, done.stderr)

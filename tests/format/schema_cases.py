@@ -4,7 +4,7 @@ import shutil
 from pathlib import Path
 
 import h5py
-import iga_schema
+from igatools import iga_schema
 import numpy as np
 
 WRONG_TYPE = {"f64": np.float32, "i64": np.int32, "i32": np.int64, "enum": np.uint8, "string": np.float64}

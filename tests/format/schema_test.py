@@ -12,7 +12,7 @@ import numpy as np
 
 SOURCE, WRITER, IGASOLVE = (Path(argument) for argument in sys.argv[1:4])
 sys.path.insert(0, str(SOURCE / "scripts"))
-import iga_model  # noqa: E402
+from igatools import iga_model  # noqa: E402
 from schema_cases import SchemaCases  # noqa: E402
 
 README = (SOURCE / "schema" / "README.md").read_text()
@@ -176,7 +176,7 @@ class ReaderTest(unittest.TestCase):
         np.testing.assert_allclose(model.vertex_positions(), model["/surface/vertices"], atol=1e-8)
 
     def test_command(self):
-        command = [sys.executable, SOURCE / "scripts" / "iga_model.py"]
+        command = [sys.executable, SOURCE / "scripts" / "igatools" / "iga_model.py"]
         good = subprocess.run([*command, self.path / "box.h5", "--json"], capture_output=True, text=True)
         self.assertEqual(good.returncode, 0, good.stderr)
         self.assertEqual(subprocess.run([*command, "missing.h5"], capture_output=True).returncode, 2)

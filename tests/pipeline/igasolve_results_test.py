@@ -15,9 +15,7 @@ import numpy as np
 
 SOURCE, WRITER, IGASOLVE = (Path(argument) for argument in sys.argv[1:4])
 sys.path.insert(0, str(SOURCE / "scripts"))
-import iga_model  # noqa: E402
-import iga_results  # noqa: E402
-import iga_schema  # noqa: E402
+from igatools import iga_model, iga_results, iga_schema  # noqa: E402
 
 E, NU, PULL = 50.0, 0.3, 2.0
 LOWER, UPPER = np.array([1.25, 1.5, 1]), np.array([4.75, 3.5, 2.6])  # of the synthetic box

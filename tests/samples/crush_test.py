@@ -12,9 +12,9 @@ import numpy as np
 
 SOURCE, BIN, PARTS, WORK = (Path(argument).resolve() for argument in sys.argv[1:5])
 sys.path.insert(0, str(SOURCE / "scripts"))
-import iga_results  # noqa: E402
+from igatools import iga_results  # noqa: E402
 import penetration  # noqa: E402
-from run_samples import moved_run  # noqa: E402
+from igatools.run_files import moved_run  # noqa: E402
 
 SAMPLE = SOURCE / "samples" / "crush_foam"
 SPAN, WIDTH, SPEED, END = 50.0, 308.6, 8.0, 18.0

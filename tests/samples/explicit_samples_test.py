@@ -14,8 +14,8 @@ import numpy as np
 SOURCE, BIN, PARTS, SHARED = (Path(word) for word in sys.argv[1:5])
 CASE = sys.argv[5]
 sys.path[:0] = [str(SOURCE / "scripts"), str(SOURCE / "samples" / "taylor_bar")]
-import iga_results  # noqa: E402
-from run_samples import moved_run  # noqa: E402
+from igatools import iga_results  # noqa: E402
+from igatools.run_files import moved_run  # noqa: E402
 
 
 def run(*command):

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
-from run_samples import read_stl, surface_figures  # noqa: E402
+from igatools.stl import read_stl, surface_figures  # noqa: E402
 
 make_parts, first, second, kept = map(Path, sys.argv[1:])
 subprocess.run([make_parts, second], check=True, stdout=subprocess.DEVNULL)

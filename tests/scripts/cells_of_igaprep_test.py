@@ -13,7 +13,7 @@ import numpy as np
 SOURCE, IGAPREP = Path(sys.argv[1]), sys.argv[2]
 sys.path[:0] = [str(SOURCE / "scripts"), str(Path(__file__).resolve().parent)]
 import boxes_model  # noqa: E402
-import iga_model  # noqa: E402
+from igatools import iga_model  # noqa: E402
 from parts import write_boxes  # noqa: E402
 
 PLATES = [((0.5, 0.5, 0.3), (7.5, 5.5, 3.2)), ((0.5, 0.5, 3.4), (7.5, 5.5, 7.1))]

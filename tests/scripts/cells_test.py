@@ -12,10 +12,10 @@ import h5py
 import numpy as np
 
 SOURCE = Path(sys.argv[1])
-sys.path[:0] = [str(SOURCE / "scripts"), str(Path(__file__).resolve().parent)]
+sys.path[:0] = [str(SOURCE / "scripts"), str(SOURCE / "scripts" / "studies"), str(Path(__file__).resolve().parent)]
 import boxes_model  # noqa: E402
-import iga_model  # noqa: E402
 import iga_reference_solver as reference  # noqa: E402
+from igatools import iga_model  # noqa: E402
 
 LOW, HIGH, SPANS = (0, 0, 0), (8, 6, 7.5), (4, 3, 3)
 LOWER, UPPER = ((0.5, 0.5, 0.3), (7.5, 5.5, 3.2)), ((0.5, 0.5, 3.4), (7.5, 5.5, 7.1))  # a gap within a span

@@ -14,15 +14,14 @@ from pathlib import Path
 import numpy as np
 
 SOURCE, BIN = Path(sys.argv[1]), Path(sys.argv[2])
-sys.path[:0] = [str(SOURCE / "scripts"), str(Path(__file__).resolve().parent)]
-import calculix  # noqa: E402
+sys.path[:0] = [str(SOURCE / "scripts"), str(SOURCE / "scripts" / "studies"), str(Path(__file__).resolve().parent)]
 import comparison_report  # noqa: E402
-import tet_mesh  # noqa: E402
+from igatools import calculix, tet_mesh  # noqa: E402
 from parts import CUBE_FREQUENCIES, run_tests, write_boxes  # noqa: E402
 
 MISSING = [f"{name} (apt-get install {package})" for name, package in (("gmsh", "gmsh"), ("ccx", "calculix-ccx"))
            if shutil.which(name) is None]
-SCRIPT = SOURCE / "scripts" / "compare_fem.py"
+SCRIPT = SOURCE / "scripts" / "studies" / "compare_fem.py"
 
 
 class PartsTest(unittest.TestCase):

@@ -14,10 +14,10 @@ from pathlib import Path
 import numpy as np
 
 SOURCE, BIN = Path(sys.argv[1]), Path(sys.argv[2])
-SCRIPT = SOURCE / "scripts" / "compare_wave.py"
-sys.path.insert(0, str(SOURCE / "scripts"))
+SCRIPT = SOURCE / "scripts" / "studies" / "compare_wave.py"
+sys.path[:0] = [str(SOURCE / "scripts"), str(SOURCE / "scripts" / "studies")]
 import bar_wave  # noqa: E402
-import calculix  # noqa: E402
+from igatools import calculix  # noqa: E402
 from parts import run_tests  # noqa: E402
 
 MISSING = None if shutil.which("ccx") else "missing: ccx (apt-get install calculix-ccx)"

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 SOURCE = Path(sys.argv[1])
-sys.path.insert(0, str(SOURCE / "scripts"))
+sys.path.insert(0, str(SOURCE / "scripts" / "studies"))
 import compare_impact  # noqa: E402
 import hex_reference as hexes  # noqa: E402
 

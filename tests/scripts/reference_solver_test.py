@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""The second solver (scripts/iga_reference_solver.py) against formulas and reference numbers, then igasolve against it.
-usage: reference_solver_test.py SOURCE_DIR SHARED_DIR IGAPREP IGASOLVE"""
+"""The second solver (scripts/studies/iga_reference_solver.py) against formulas and reference numbers, then igasolve against
+it.  usage: reference_solver_test.py SOURCE_DIR SHARED_DIR IGAPREP IGASOLVE"""
 import csv
 import json
 import shutil
@@ -13,10 +13,10 @@ from pathlib import Path
 import numpy as np
 
 SOURCE, SHARED, IGAPREP, IGASOLVE = (Path(argument) for argument in sys.argv[1:5])
-SOLVER = SOURCE / "scripts" / "iga_reference_solver.py"
-sys.path[:0] = [str(SOURCE / "scripts"), str(Path(__file__).resolve().parent)]
-import iga_model  # noqa: E402
+SOLVER = SOURCE / "scripts" / "studies" / "iga_reference_solver.py"
+sys.path[:0] = [str(SOURCE / "scripts"), str(SOURCE / "scripts" / "studies"), str(Path(__file__).resolve().parent)]
 import iga_reference_solver as reference  # noqa: E402
+from igatools import iga_model  # noqa: E402
 from parts import CUBE_FREQUENCIES, write_boxes  # noqa: E402
 
 STEEL = {"E": 2.6, "nu": 0.3, "rho": 1.0}  # shear modulus 1

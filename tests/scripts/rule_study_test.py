@@ -12,12 +12,12 @@ from pathlib import Path
 import numpy as np
 
 SOURCE, BIN = Path(sys.argv[1]), Path(sys.argv[2])
-sys.path[:0] = [str(SOURCE / "scripts"), str(Path(__file__).resolve().parent)]
+sys.path[:0] = [str(SOURCE / "scripts"), str(SOURCE / "scripts" / "studies"), str(Path(__file__).resolve().parent)]
 import rule_cases  # noqa: E402
 import rule_report  # noqa: E402
 from parts import CUBE_FREQUENCIES, write_boxes  # noqa: E402
 
-SCRIPT = SOURCE / "scripts" / "rule_study.py"
+SCRIPT = SOURCE / "scripts" / "studies" / "rule_study.py"
 
 
 class RuleStudyTest(unittest.TestCase):

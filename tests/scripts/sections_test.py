@@ -8,7 +8,7 @@ import numpy as np
 
 SOURCE = Path(sys.argv[1])
 sys.path.insert(0, str(SOURCE / "scripts"))
-import sections  # noqa: E402
+from igatools import sections  # noqa: E402
 
 QUADS = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]  # corners numbered x fastest
 

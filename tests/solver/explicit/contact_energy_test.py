@@ -13,7 +13,7 @@ from pathlib import Path
 
 SOURCE, IGAPREP, IGASOLVE = (Path(argument) for argument in sys.argv[1:4])
 sys.path[:0] = [str(SOURCE / "scripts"), str(SOURCE / "tests/scripts")]
-import iga_results  # noqa: E402
+from igatools import iga_results  # noqa: E402
 from parts import write_boxes  # noqa: E402
 
 SIDE, RADIUS, MASS = 60.0, 20.0, 2.0

@@ -19,7 +19,7 @@ import numpy as np
 
 SOURCE, WRITE_MODEL, IGASOLVE = (Path(argument) for argument in sys.argv[1:4])
 sys.path.insert(0, str(SOURCE / "scripts"))
-import iga_results  # noqa: E402
+from igatools import iga_results  # noqa: E402
 
 # The box 3.5 × 2 × 1.6 of the synthetic model, hit by a sphere from above, on a plate; friction, gravity, damping.
 RUN = """

@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 """An elastic wave by explicit dynamics: trimmed splines beside CalculiX, figures side by side in one run.
 
-  scripts/compare_wave.py                   all sizes, minutes; table, CSV and plot in build/compare_wave
-  scripts/compare_wave.py --quick           the coarsest size alone, in seconds
-  scripts/compare_wave.py --sizes 5 2.5 --methods C3D8 p2 p2-two-pass
+  scripts/studies/compare_wave.py                   all sizes, minutes; table, CSV and plot in build/compare_wave
+  scripts/studies/compare_wave.py --quick           the coarsest size alone, in seconds
+  scripts/studies/compare_wave.py --sizes 5 2.5 --methods C3D8 p2 p2-two-pass
 
 A free square bar, 100 × 10 × 10 mm, gets a smooth pressure pulse on one end (bar_wave.py); no contact. CalculiX runs
 *DYNAMIC, EXPLICIT with bricks (C3D8: full integration, C3D8R: one point), igasolve explicit runs splines of degree p on a
@@ -23,14 +23,11 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import bar_wave  # noqa: E402
-import calculix  # noqa: E402
-import iga_model  # noqa: E402
-import iga_results  # noqa: E402
-from measured_run import RunError, measured_report, measured_run  # noqa: E402
+from igatools import ROOT, calculix, iga_model, iga_results  # noqa: E402
+from igatools.measured_run import RunError, measured_report, measured_run  # noqa: E402
 
-ROOT = Path(__file__).resolve().parent.parent
 OFFSET = 0.37  # of a span: no face of the bar lies in a plane of the grid
 OUTPUTS = 250  # fields of a run of igasolve
 METHODS = {  # degree, mass, offset of the grid; CalculiX for the others

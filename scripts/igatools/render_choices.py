@@ -8,8 +8,7 @@ import tomllib
 
 import numpy as np
 
-import drawing
-import iga_model
+from igatools import drawing, iga_model
 
 TABLES = ("support", "load")
 COLOURS = ((0.84, 0.15, 0.16), (0.12, 0.47, 0.71), (0.17, 0.63, 0.17), (1.0, 0.5, 0.05), (0.58, 0.4, 0.74), (0.55, 0.34, 0.29),

@@ -7,8 +7,8 @@ from matplotlib.colors import Normalize
 from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkFiltersHybrid import vtkPolyDataSilhouette
 
-import iga_results
-from drawing import PIXELS, actor_of, page, picture, save, triangle_mesh, with_normals
+from igatools import iga_results
+from igatools.drawing import PIXELS, actor_of, page, picture, save, triangle_mesh, with_normals
 
 COLOURS = plt.get_cmap("turbo")
 SHEET = 6  # modes

@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """A second solver over the same file: free vibration of a model from h5py, numpy and scipy alone, without C++.
 
-  scripts/iga_reference_solver.py part.h5 --E 210e3 --nu 0.3 --rho 7.8e-9 --modes 10 [--json]
-  scripts/iga_reference_solver.py part.h5 --E 210 --nu 0.3 --rho 7.85e-6 --mass lumped --largest
+  scripts/studies/iga_reference_solver.py part.h5 --E 210e3 --nu 0.3 --rho 7.8e-9 --modes 10 [--json]
+  scripts/studies/iga_reference_solver.py part.h5 --E 210 --nu 0.3 --rho 7.85e-6 --mass lumped --largest
 
 It assembles the stiffness and the consistent mass of a linear elastic solid from the quadrature points of the interchange
 file, without any treatment of light functions, and finds the lowest eigenpairs of K x = omega^2 M x by Lanczos with shift
@@ -20,8 +20,8 @@ from scipy import linalg, sparse
 from scipy.sparse import csgraph
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-import iga_model  # noqa: E402
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from igatools import iga_model  # noqa: E402
 
 INTERIOR = iga_model.SCHEMA["enum"]["state"]["INTERIOR"]
 ENTRIES_PER_BLOCK = 20_000_000  # entries of cell matrices held at a time: about 0.6 GB

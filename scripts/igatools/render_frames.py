@@ -10,8 +10,8 @@ from vtkmodules.vtkCommonDataModel import vtkPlane, vtkPolyData
 from vtkmodules.vtkFiltersCore import vtkClipPolyData
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
-import sections
-from drawing import actor_of, picture, save, triangle_mesh, with_normals
+from igatools import sections
+from igatools.drawing import actor_of, picture, save, triangle_mesh, with_normals
 
 COLOURS = plt.get_cmap("turbo")
 FRAMES, COLUMNS = 6, 3

@@ -5,7 +5,7 @@ import re
 import sys
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 LAYERS = {  # folder: what its files may include from this repository
     "format/model": ["format/model"],
     "format/io": ["format/model", "format/io"],
@@ -34,7 +34,7 @@ def wrong_order(name, target):
     own, other = (path[len(tool) + 1:].rpartition("/")[0] for path in (name, target))
     for folder in (own, other):
         if folder not in ORDER[tool]:
-            return f"the folder {tool}/{folder} has no place in the order of scripts/check_includes.py"
+            return f"the folder {tool}/{folder} has no place in the order of scripts/checks/check_includes.py"
     if ORDER[tool].index(other) > ORDER[tool].index(own):
         return f'"{target}" belongs to a folder that comes after {tool}/{own}'
     return None

@@ -1,13 +1,13 @@
 #!/usr/bin/python3
 """Which quadrature rules, when: points, preprocessing time, accuracy and rigid modes of igaprep's interior and trimmed rules.
 
-  scripts/rule_study.py errors                       turned cube and foam part, all rules, p = 2 and 3: an hour of one core
-  scripts/rule_study.py paper                        beside the paper's cube of 100 mm and foam part
-  scripts/rule_study.py large --rules ggq:minimal    80 and 160 spans along the foam part: time and memory
-  scripts/rule_study.py speed                        CPU time of the reduction a span, p = 2, 3, 4
-  scripts/rule_study.py rigid                        rigid modes of all shared test parts
-  scripts/rule_study.py own --part part.stl --spans 12 --degrees 2      all rules on a part of your own
-  scripts/rule_study.py errors --cases foam --grids '14 mm' --rules gauss:nnls ggq-reduced:minimal --reuse
+  scripts/studies/rule_study.py errors                       turned cube and foam part, all rules, p = 2 and 3: an hour of one core
+  scripts/studies/rule_study.py paper                        beside the paper's cube of 100 mm and foam part
+  scripts/studies/rule_study.py large --rules ggq:minimal    80 and 160 spans along the foam part: time and memory
+  scripts/studies/rule_study.py speed                        CPU time of the reduction a span, p = 2, 3, 4
+  scripts/studies/rule_study.py rigid                        rigid modes of all shared test parts
+  scripts/studies/rule_study.py own --part part.stl --spans 12 --degrees 2      all rules on a part of your own
+  scripts/studies/rule_study.py errors --cases foam --grids '14 mm' --rules gauss:nnls ggq-reduced:minimal --reuse
 
 Results are added to those in --output: study.json, study.csv and study.md with one table for each study, part and degree.
 Errors are relative to exact frequencies (cube), to 10-node tetrahedra (foam part, samples/11_foam_modes_vs_fem), or, for a
@@ -21,11 +21,12 @@ import json
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import rule_cases  # noqa: E402
 import rule_report  # noqa: E402
-from compare_fem import ROOT, ComparisonError, machine, program  # noqa: E402
-from measured_run import RunError, measured_report  # noqa: E402
+from compare_fem import ComparisonError, machine, program  # noqa: E402
+from igatools import ROOT  # noqa: E402
+from igatools.measured_run import RunError, measured_report  # noqa: E402
 
 KEY = ("study", "part", "degree", "grid", "interior", "trimmed")
 

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Independent reader of results files: h5py and numpy alone, held against schema/results.toml.
 
-As a command:  scripts/iga_results.py modes.h5 [--json]   validates the file and prints what it says
+As a command:  scripts/igatools/iga_results.py modes.h5 [--json]   validates the file and prints what it says
 As a module:   results = iga_results.read("modes.h5");  results["/frequencies"], results.elastic()
                results.field(model, coefficients, cells, parameters) with model = iga_model.read("part.h5")
                series = results.series("contact/plate")   the time series below that name
@@ -13,8 +13,10 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-import iga_schema
-from iga_schema import FormatError, text_of
+if not __package__:  # run by its path
+    sys.path[0] = str(Path(__file__).resolve().parents[1])
+from igatools import iga_schema  # noqa: E402
+from igatools.iga_schema import FormatError, text_of  # noqa: E402
 
 SCHEMA = iga_schema.load("results")
 FIELDS = iga_schema.load("fields")

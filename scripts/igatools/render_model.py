@@ -15,8 +15,8 @@ from vtkmodules.vtkFiltersCore import vtkCutter, vtkThreshold
 from vtkmodules.vtkFiltersGeneral import vtkClipClosedSurface, vtkVertexGlyphFilter
 from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
 
-from drawing import (PIXELS, actor_of, corners, grid_lines, moved, page, picture, text, triangle_mesh, two_colours,
-                     with_normals)
+from igatools.drawing import (PIXELS, actor_of, corners, grid_lines, moved, page, picture, text, triangle_mesh,
+                              two_colours, with_normals)
 
 INTERIOR, TRIMMED = 1, 2
 INTERIOR_COLOUR, TRIMMED_COLOUR = (0.16, 0.42, 0.66), (0.96, 0.65, 0.26)

@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 """An explicit finite element program of its own for the impact sample: nothing of it is shared with igasolve.
 
-  scripts/hex_reference.py 12 -o hex12.npz                 foam cube of 12 x 12 x 12 hexahedra under the sphere
-  scripts/hex_reference.py 6 --rate polar --friction 0     another objective rate, no friction
-  scripts/hex_reference.py 12 --one-point                  one point per element and hourglass stiffness
+  scripts/studies/hex_reference.py 12 -o hex12.npz                 foam cube of 12 x 12 x 12 hexahedra under the sphere
+  scripts/studies/hex_reference.py 6 --rate polar --friction 0     another objective rate, no friction
+  scripts/studies/hex_reference.py 12 --one-point                  one point per element and hourglass stiffness
 
 Method (kg, mm, ms, kN, GPa)
   Elements    trilinear hexahedra, 2 x 2 x 2 Gauss points (or one, with the stiffness of Flanagan & Belytschko 1981 against

@@ -3,8 +3,7 @@ import sys
 
 import numpy as np
 
-import drawing
-import iga_model
+from igatools import drawing, iga_model
 
 GREY = (0.80, 0.82, 0.85)
 # Separate bodies: pale, so that cells stand out; the first is grey.

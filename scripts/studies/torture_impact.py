@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 """The impact sample on random grids: does the result depend on how the part happens to lie in its spans?
 
-  scripts/torture_impact.py                                 50 offsets at one rotation, 10 rotations at one offset
-  scripts/torture_impact.py --offsets 3 --rotations 0       a short one
-  scripts/torture_impact.py --degree 3 --span-size 8 --seed 7 --work DIR
+  scripts/studies/torture_impact.py                                 50 offsets at one rotation, 10 rotations at one offset
+  scripts/studies/torture_impact.py --offsets 3 --rotations 0       a short one
+  scripts/studies/torture_impact.py --degree 3 --span-size 8 --seed 7 --work DIR
 
 Every run is the sample impact_cube with another grid, of spans of 16 mm unless told otherwise. Printed for each: points, light functions, the first step,
 steps, worst energy error, peak of the force on the sphere averaged over 0.2 ms, impulse. Then the spread over all runs, held
@@ -17,11 +17,11 @@ from pathlib import Path
 
 import numpy as np
 
-import iga_results
-from measured_run import RunError, report
-from run_samples import moved_run
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from igatools import ROOT, iga_results  # noqa: E402
+from igatools.measured_run import RunError, report  # noqa: E402
+from igatools.run_files import moved_run  # noqa: E402
 
-ROOT = Path(__file__).resolve().parent.parent
 SAMPLE = ROOT / "samples" / "impact_cube"
 SIDE, WINDOW = 100.0, 0.2
 ENERGY, STEP, PEAK = 0.01, 0.15, 0.03

@@ -1,21 +1,24 @@
 #!/usr/bin/python3
 """Independent reader of the interchange file: h5py, numpy and scipy alone, held against schema/model.toml.
 
-As a command:  scripts/iga_model.py part.h5 [--json]     validates the file and prints what its points say
+As a command:  scripts/igatools/iga_model.py part.h5 [--json]     validates the file and prints what its points say
 As a module:   model = iga_model.read("part.h5");  model.positions(), model.volume_integrals(), model.mass_fractions()
 
 A cell is one connected piece of one span; model["/cells/functions"] tells which functions it sees, one copy of each B-spline
 that reaches its span.
 """
 import sys
+from pathlib import Path
 
 import h5py
 import numpy as np
 from scipy import sparse
 from scipy.sparse import csgraph
 
-import iga_schema
-from iga_schema import FormatError, text_of as _text
+if not __package__:  # run by its path
+    sys.path[0] = str(Path(__file__).resolve().parents[1])
+from igatools import iga_schema  # noqa: E402
+from igatools.iga_schema import FormatError, text_of as _text  # noqa: E402
 
 SCHEMA = iga_schema.load("model")
 BLOCK = 100_000  # points whose basis values are held at a time

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """The impact sample beside the finite element program of its own: a table of the runs named.
 
-  scripts/compare_impact.py REFERENCE RUN...     series of scripts/hex_reference.py (.npz) or results of igasolve (.h5)
+  scripts/studies/compare_impact.py REFERENCE RUN...     series of scripts/studies/hex_reference.py (.npz) or results of igasolve (.h5)
 
 Of the force on the sphere along z: at 0.5 ms (that instant, and the mean from 0.4 to 0.6 ms), the largest mean over 0.2 ms,
 the relative L2 difference of its means over 0.2 ms to the first file, the impulse beside the sphere's change of momentum; the
@@ -12,7 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-import iga_results
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from igatools import iga_results  # noqa: E402
 
 MASS, WINDOW, TIMES = 1.0, 0.2, (2, 4, 6, 8)
 

@@ -1,10 +1,10 @@
 #!/usr/bin/python3
 """Trimmed splines against standard finite elements: the first elastic frequencies of the same free part, side by side.
 
-  scripts/compare_fem.py                            the foam part, all sizes: takes a quarter of an hour on one core
-  scripts/compare_fem.py --quick                    coarse sizes alone, in seconds
-  scripts/compare_fem.py part.stl --spans 5 3 --linear-sizes 4 2 --quadratic-sizes 6 4 stl --E 210e3 --nu 0.3 --rho 7.85e-9
-  scripts/compare_fem.py --only fem; scripts/compare_fem.py --reuse fem      in two parts: the second reads the first
+  scripts/studies/compare_fem.py                            the foam part, all sizes: takes a quarter of an hour on one core
+  scripts/studies/compare_fem.py --quick                    coarse sizes alone, in seconds
+  scripts/studies/compare_fem.py part.stl --spans 5 3 --linear-sizes 4 2 --quadratic-sizes 6 4 stl --E 210e3 --nu 0.3 --rho 7.85e-9
+  scripts/studies/compare_fem.py --only fem; scripts/studies/compare_fem.py --reuse fem      in two parts: the second reads the first
 
 Finite elements: Gmsh meshes the STL (classified, parametrised, meshed anew with each target size; the size `stl` keeps the
 STL's own triangles, so that the mesh is exactly the STL's polyhedron), CalculiX solves 4-node (C3D4) and 10-node (C3D10)
@@ -24,14 +24,12 @@ import sys
 import time
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-import calculix  # noqa: E402
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import comparison_report  # noqa: E402
-import tet_mesh  # noqa: E402
-from measured_run import RunError, measured_report, measured_run  # noqa: E402
-from run_samples import read_stl  # noqa: E402
+from igatools import ROOT, calculix, tet_mesh  # noqa: E402
+from igatools.measured_run import RunError, measured_report, measured_run  # noqa: E402
+from igatools.stl import read_stl  # noqa: E402
 
-ROOT = Path(__file__).resolve().parent.parent
 QUICK = {"linear_sizes": ["28", "20"], "quadratic_sizes": ["28", "20"], "spans": [28.0], "degrees": [2]}
 SAMPLES_PER_SIZE = 6  # spacing of the STL's samples in a search for closest points, per target size
 

@@ -5,11 +5,12 @@ import json
 import operator
 import sys
 import tomllib
-from pathlib import Path
 
 import h5py
 
-FOLDER = Path(__file__).resolve().parent.parent / "schema"
+from igatools import ROOT
+
+FOLDER = ROOT / "schema"
 COMPRESS_ABOVE = 64 * 1024  # bytes
 
 
