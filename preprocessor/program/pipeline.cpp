@@ -235,7 +235,6 @@ PrepReport make_model(const Settings& s, const RunInfo& run, const PreparedSurfa
   model.quadrature = quadrature_info(s, trimming, leaks ? trimming.exact_volume : mesh_volume, quadrature.max_residual);
   model.functions.mass_fraction =
       stages.run("functions", [&] { return mass_fractions(model.grid, trimming, cells, model.points); });
-  model.unknowns.mass_fraction = unknown_mass_fractions(model.grid, cells, model.functions.mass_fraction);
   model.surface =
       stages.run("surface points", [&] { return make_embedded_surface(model.grid, surface.mesh, trimming); });
   trimming.pieces = {};

@@ -176,6 +176,9 @@ std::vector<double> mass_fractions(const SplineGrid& grid, const Trimming& trimm
   return result;
 }
 
+namespace {
+
+// Mass fractions of the unknowns, from those of the functions: (n_u).
 std::vector<double> unknown_mass_fractions(const SplineGrid& grid, const CellTable& cells,
                                            const std::vector<double>& mass_fraction) {
   const GapEndUnknowns& u = cells.unknowns;
@@ -197,6 +200,8 @@ std::vector<double> unknown_mass_fractions(const SplineGrid& grid, const CellTab
   return mass;
 }
 
+} // namespace
+
 void place_cells(Trimming&& trimming, CellTable&& cells, TrimmedModel& model) {
   model.cells.state.resize(trimming.active.size());
   for (std::size_t c = 0; c < trimming.active.size(); ++c)
@@ -205,6 +210,8 @@ void place_cells(Trimming&& trimming, CellTable&& cells, TrimmedModel& model) {
   model.cells.span = std::move(trimming.active);
   model.cells.volume_fraction = std::move(trimming.fraction);
   model.cells.functions = std::move(cells.functions);
+  if (!model.functions.mass_fraction.empty())
+    model.unknowns.mass_fraction = unknown_mass_fractions(model.grid, cells, model.functions.mass_fraction);
   model.functions.number = std::move(cells.function);
   model.unknowns.offsets = std::move(cells.unknowns.offsets);
   model.unknowns.terms = std::move(cells.unknowns.terms);

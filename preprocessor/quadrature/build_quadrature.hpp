@@ -25,11 +25,8 @@ QuadratureResult build_quadrature(const SplineGrid& grid, const Trimming& trimmi
 std::vector<double> mass_fractions(const SplineGrid& grid, const Trimming& trimming, const CellTable& cells,
                                    const IntegrationPoints& points);
 
-/// The same for the unknowns, from the functions' fractions: (n_u), empty where every function is an unknown.
-std::vector<double> unknown_mass_fractions(const SplineGrid& grid, const CellTable& cells,
-                                           const std::vector<double>& mass_fraction);
-
-/// Moves states, cells, functions and links into a model; the mass fractions are left to the caller.
+/// Moves states, cells, functions, unknowns and links into a model. The functions' mass fractions are the caller's, and
+/// where they are there already, those of the unknowns follow from them.
 void place_cells(Trimming&& trimming, CellTable&& cells, TrimmedModel& model);
 
 } // namespace iga::prep

@@ -102,9 +102,55 @@ class Model:
                               "of its span")
         if (np.diff(number) < 0).any() or len(np.unique(functions)) < len(number):
             raise FormatError("/functions/number: falls, or holds functions that no cell sees")
+        self._check_unknowns()
         links = self["/links/cells"]
         if links.size and not (0 <= links.min() and links.max() < len(span) and (links[:, 0] < links[:, 1]).all()):
             raise FormatError(f"/links/cells: expected pairs of a lower and a higher one of {len(span)} cells")
+
+    def _check_unknowns(self):
+        """The coefficients from unknowns keep constant and linear fields."""
+        if "/unknowns/offsets" not in self.data:
+            return
+        offsets, terms = self["/unknowns/offsets"], self["/unknowns/terms"]
+        if offsets[0] != 0 or offsets[-1] != len(terms) or (np.diff(offsets) < 0).any():
+            raise FormatError("/unknowns/offsets: do not start at 0, fall, or do not end at the number of terms")
+        n = len(self["/unknowns/function"])
+        if len(terms) and not 0 <= terms.min() <= terms.max() < n:
+            raise FormatError(f"/unknowns/terms: names unknowns {terms.min()} ... {terms.max()} of {n}")
+        rows = self.coefficients_from_unknowns()
+        size = abs(rows) @ np.ones(n)
+        ijk = self.split_numbers(self["/functions/number"], self.functions)
+        for d in range(3):
+            greville = sum(self.knots[d][ijk[:, d] + a] for a in range(1, self.degree[d] + 1)) / self.degree[d]
+            scale = size * max(abs(self.knots[d][0]), abs(self.knots[d][-1]), self.knots[d][-1] - self.knots[d][0])
+            wrong = abs(rows @ self["/unknowns/parameters"][:, d] - greville) > 1e-12 * scale
+            wrong |= abs(rows @ np.ones(n) - 1) > 1e-12 * size
+            if wrong.any():
+                raise FormatError(f"/unknowns: the factors of function {np.argmax(wrong)} do not keep linear fields")
+
+    def coefficients_from_unknowns(self):
+        """Sparse C (n_f, n_u): coefficients of functions = C @ unknowns; the identity where every function is an unknown.
+        A matrix of the functions becomes C.T @ K @ C for the unknowns."""
+        n = len(self["/functions/number"])
+        if "/unknowns/offsets" not in self.data:
+            return sparse.identity(n, format="csr")
+        return sparse.csr_matrix((self["/unknowns/weights"], self["/unknowns/terms"], self["/unknowns/offsets"]),
+                                 (n, len(self["/unknowns/function"])))
+
+    def gap_end_cells(self):
+        """Which cells have B-splines of their own, because a gap ends nearby: (n_cells), bool."""
+        if "/unknowns/offsets" not in self.data:
+            return np.zeros(len(self["/cells/span"]), bool)
+        own = np.ones(len(self["/functions/number"]), bool)
+        function = self["/unknowns/function"]
+        own[function[function >= 0]] = False
+        return own[self["/cells/functions"][:, 0]]
+
+    def copied_functions(self):
+        """Number of B-splines with several copies, those of cells at gap ends not counted."""
+        shared = np.ones(len(self["/functions/number"]), bool)
+        shared[self["/cells/functions"][self.gap_end_cells()]] = False
+        return int((np.unique(self["/functions/number"][shared], return_counts=True)[1] > 1).sum())
 
     def __getitem__(self, path):
         return self.data[path]
@@ -137,13 +183,13 @@ class Model:
     def components(self):
         """Number of the mechanically separate body that each cell belongs to, from 0, and how many there are.
 
-        Cells hang together where they see a function in common, which is the same as by links: a function's cells are linked.
+        Cells hang together where they see an unknown in common, which is the same as by links: an unknown's cells are linked.
         """
         functions = self["/cells/functions"]
         cells = np.repeat(np.arange(len(functions)), functions.shape[1])
-        shape = (len(functions) + len(self["/functions/number"]),) * 2  # cells, then functions
-        seen = sparse.coo_matrix((np.ones(functions.size), (cells, len(functions) + functions.ravel())), shape)
-        count, component = csgraph.connected_components(seen, directed=False)
+        seen = sparse.csr_matrix((np.ones(functions.size), (cells, functions.ravel())),
+                                 (len(functions), len(self["/functions/number"]))) @ abs(self.coefficients_from_unknowns())
+        count, component = csgraph.connected_components(sparse.bmat([[None, seen], [seen.T, None]]), directed=False)
         return component[:len(functions)], count
 
     @staticmethod
@@ -256,7 +302,9 @@ def summary(model):
         "cells": len(model["/cells/span"]),
         "split_spans": int((np.unique(model["/cells/span"], return_counts=True)[1] > 1).sum()),
         "functions": len(model["/functions/number"]),
-        "copied_functions": int((np.unique(model["/functions/number"], return_counts=True)[1] > 1).sum()),
+        "copied_functions": model.copied_functions(),
+        "gap_end_cells": int(model.gap_end_cells().sum()),
+        "unknowns": model.coefficients_from_unknowns().shape[1],
         "components": model.components()[1],
         "points": len(model["/quadrature/weights"]),
         "volume": volume,

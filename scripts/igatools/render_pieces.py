@@ -110,7 +110,7 @@ def draw(arguments, file):
         sys.exit(f"render.py: {arguments.file}: {error}")
     number, count = np.unique(model["/cells/span"], return_counts=True)
     split = number[count > 1]
-    copied = int((np.unique(model["/functions/number"], return_counts=True)[1] > 1).sum())
+    copied, ends = model.copied_functions(), int(model.gap_end_cells().sum())
     body, bodies = body_of_triangles(model)
     patch = model.attributes["/patch"]
     centre, R = (patch["A"] + patch["B"]) / 2, patch["rotation"]
@@ -138,5 +138,5 @@ def draw(arguments, file):
     pixels = drawing.picture(actors, np.array(arguments.sight), (0, 0, 1), vertices)
     drawing.page(pixels, f"{drawing.text(model.attribute('/', 'title')) or arguments.file.stem}: pieces and copies",
                  f"{len(split):,} of {len(number):,} spans hold several cells; {copied:,} of "
-                 f"{len(np.unique(model['/functions/number'])):,} B-splines have copies; {bodies:,} separate "
+                 f"{len(np.unique(model['/functions/number'])):,} B-splines have copies; " + (f"{ends:,} cells at gap ends; " if ends else "") + f"{bodies:,} separate "
                  f"{'body' if bodies == 1 else 'bodies'}", file, legend=legend)

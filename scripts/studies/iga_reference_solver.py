@@ -81,7 +81,7 @@ def gauss_points(model, span):
 
 
 def assemble(model, C, rho):
-    """Sparse K (3 n, 3 n) and M (n, n), the consistent mass of one component; n functions in the file's order.
+    """Sparse K (3 n, 3 n) and M (n, n), the consistent mass of one component; n unknowns in the file's order.
 
     Cell by cell: /cells/functions tells the rows that each one adds to.
 
@@ -116,6 +116,9 @@ def assemble(model, C, rho):
         entries = np.stack([gathered(k[:, :, a, :, b]) for a in range(3) for b in range(3)], 1)
         i, j = 3 * i[:, None] + np.repeat(np.arange(3), 3), 3 * j[:, None] + np.tile(np.arange(3), 3)
         K = K + sparse.csr_matrix((entries.ravel(), (i.ravel(), j.ravel())), (3 * n, 3 * n))
+    rows = model.coefficients_from_unknowns()  # the identity where no gap ends
+    components = sparse.kron(rows, sparse.identity(3), format="csr")
+    K, M = components.T @ K @ components, rows.T @ M @ rows
     return (K + K.T) / 2, (M + M.T) / 2
 
 

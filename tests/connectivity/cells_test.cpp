@@ -25,8 +25,11 @@ struct Split {
   CellCounts counts;
 };
 
-Split split(const SplineGrid& grid, const TriangleMesh& mesh, const TrimOptions& options = {}) {
+// Copies alone, unless asked for: what happens at the ends of gaps has tests of its own.
+Split split(const SplineGrid& grid, const TriangleMesh& mesh, bool split_gap_ends = false) {
   Split out;
+  TrimOptions options;
+  options.split_gap_ends = split_gap_ends;
   out.whole = trim(grid, mesh, options);
   out.trimming = out.whole;
   out.cells = split_into_cells(grid, options, out.trimming);
@@ -397,16 +400,76 @@ TEST(Cells, PerforatedSheetThinnerThanASpan) {
     }
 }
 
+// Block of 20 × 40 × 10 with a slit of 0.05 from its edge to its middle; turned, so that nothing lies in a grid plane.
+TriangleMesh slit_block(double length = 20) {
+  const double l = length;
+  return transformed(prism({{0, 0}, {9, 0}, {9, l}, {9.05, l}, {9.05, 0}, {20, 0}, {20, 40}, {0, 40}},
+                           {{0, 1, 2}, {0, 2, 7}, {2, 3, 7}, {3, 6, 7}, {3, 4, 5}, {3, 5, 6}}, 0, 10),
+                     rotation(13, 9), {});
+}
+
+TEST(GapEnds, OnlyWhereAGapEndsAndOnlyFromDegreeTwo) {
+  for (const int degree : {1, 2, 3, 4}) {
+    SCOPED_TRACE(degree);
+    const TriangleMesh slit = slit_block();
+    const Split s = split(grid_around(slit, 4, degree, 0.3), slit, true);
+    EXPECT_EQ(s.counts.components, 1);
+    EXPECT_EQ(s.counts.gap_end_cells > 0, degree > 1);
+    // Blocks apart have a gap that ends nowhere, a convex body has none, a notch of less than a span is too shallow.
+    for (const TriangleMesh& mesh : {join({box({0, 0, 0}, {20, 20, 14.37}), box({0, 0, 14.38}, {20, 20, 30})}),
+                                     sphere({0, 0, 0}, 10, 3), slit_block(3)}) {
+      const Split none = split(grid_around(mesh, 4, degree, 0.3), mesh, true);
+      EXPECT_EQ(none.counts.gap_end_cells, 0);
+      EXPECT_TRUE(none.cells.unknowns.function.empty());
+      EXPECT_TRUE(none.trimming.gap_end.empty());
+      EXPECT_EQ(none.cells.functions, split(grid_around(mesh, 4, degree, 0.3), mesh).cells.functions);
+    }
+  }
+}
+
+TEST(GapEnds, UnknownsAddUpToOneAndToPlaces) {
+  for (const std::array<int, 3>& degree : {std::array<int, 3>{2, 2, 2}, {3, 3, 3}, {4, 4, 4}, {2, 3, 1}}) {
+    const TriangleMesh mesh = slit_block();
+    const SplineGrid around = grid_around(mesh, 4, 2, 0.3);
+    const SplineGrid grid(around.A(), around.B(), around.spans(), degree);
+    const Split s = split(grid, mesh, true);
+    const GapEndUnknowns& u = s.cells.unknowns;
+    ASSERT_FALSE(u.function.empty());
+    ASSERT_EQ(u.offsets.size(), s.cells.function.size() + 1);
+    EXPECT_TRUE(std::is_sorted(s.cells.function.begin(), s.cells.function.end()));
+    for (std::size_t f = 0; f < s.cells.function.size(); ++f) {
+      double sum = 0, size = 0;
+      Point3 place{};
+      for (auto t = static_cast<std::size_t>(u.offsets[f]); t < static_cast<std::size_t>(u.offsets[f + 1]); ++t) {
+        sum += u.weights[t];
+        size += std::abs(u.weights[t]);
+        for (std::size_t d = 0; d < 3; ++d)
+          place[d] += u.weights[t] * u.parameters[3 * static_cast<std::size_t>(u.terms[t]) + d];
+      }
+      EXPECT_NEAR(sum, 1, 1e-13 * size);
+      const Index3 i = grid.function_index(s.cells.function[f]);
+      for (std::size_t d = 0; d < 3; ++d)
+        EXPECT_NEAR(place[d], grid.knots(static_cast<int>(d)).greville(i[d]), 1e-11 * size);
+    }
+    for (const double full : u.full) EXPECT_GT(full, 0);
+  }
+}
+
 TEST(Cells, DoNotDependOnTheNumberOfThreads) {
-  const TriangleMesh mesh = transformed(two_blocks(0.01), rotation(13, 9), {1, 2, 3});
-  const SplineGrid grid = grid_around(mesh, 2, 2, 0.37);
-  const Split many = split(grid, mesh);
-  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-  const Split single = split(grid, mesh);
-  EXPECT_EQ(many.cells.functions, single.cells.functions);
-  EXPECT_EQ(many.cells.function, single.cells.function);
-  EXPECT_EQ(many.trimming.fraction, single.trimming.fraction);
-  EXPECT_EQ(many.trimming.pieces.vertices, single.trimming.pieces.vertices);
+  const std::array<TriangleMesh, 2> meshes{transformed(two_blocks(0.01), rotation(13, 9), {1, 2, 3}), slit_block()};
+  for (const TriangleMesh& mesh : meshes) {
+    const SplineGrid grid = grid_around(mesh, 2, 2, 0.37);
+    const Split many = split(grid, mesh, true);
+    const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+    const Split single = split(grid, mesh, true);
+    EXPECT_EQ(many.cells.functions, single.cells.functions);
+    EXPECT_EQ(many.cells.function, single.cells.function);
+    EXPECT_EQ(many.cells.unknowns.terms, single.cells.unknowns.terms);
+    EXPECT_EQ(many.cells.unknowns.weights, single.cells.unknowns.weights);
+    EXPECT_EQ(many.cells.unknowns.full, single.cells.unknowns.full);
+    EXPECT_EQ(many.trimming.fraction, single.trimming.fraction);
+    EXPECT_EQ(many.trimming.pieces.vertices, single.trimming.pieces.vertices);
+  }
 }
 
 } // namespace

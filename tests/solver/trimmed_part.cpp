@@ -7,9 +7,12 @@
 
 namespace iga::test {
 
-TrimmedModel make_part(const TriangleMesh& mesh, const SplineGrid& grid, int moment_degree, const char* interior_rule) {
-  prep::Trimming trimming = prep::trim(grid, mesh, {});
-  prep::CellTable cells = prep::split_into_cells(grid, {}, trimming);
+TrimmedModel make_part(const TriangleMesh& mesh, const SplineGrid& grid, int moment_degree, const char* interior_rule,
+                       bool split_gap_ends) {
+  prep::TrimOptions trim_options;
+  trim_options.split_gap_ends = split_gap_ends;
+  prep::Trimming trimming = prep::trim(grid, mesh, trim_options);
+  prep::CellTable cells = prep::split_into_cells(grid, trim_options, trimming);
   const int q = moment_degree > 0 ? moment_degree : grid.degree()[0];
   prep::QuadratureOptions options;
   options.moment_degree = {q, q, q};
@@ -30,7 +33,7 @@ TrimmedModel make_part(const TriangleMesh& mesh, const SplineGrid& grid, int mom
 
 TrimmedModel make_part(const TriangleMesh& mesh, const PartOptions& options) {
   return make_part(mesh, grid_around(mesh, options.span_size, options.degree, options.shift, options.rotation),
-                   options.moment_degree, options.interior_rule);
+                   options.moment_degree, options.interior_rule, options.split_gap_ends);
 }
 
 } // namespace iga::test
