@@ -34,9 +34,9 @@ Eigen::VectorXd volume_load(const SolutionSpace& space, const Point3& b, LoadRep
 Eigen::VectorXd point_load(const SolutionSpace& space, const Load& load, const Point3& force, LoadReport& report) {
   const LocatedPoint at = locate(space.model(), load.position, fmt::format("load '{}'", load.name));
   SpanShapes shapes;
-  evaluate(space, at.span, at.parameter, Shapes::Values, shapes);
+  evaluate(space, at.cell, at.parameter, Shapes::Values, shapes);
   Eigen::VectorXd f = Eigen::VectorXd::Zero(space.num_unknowns());
-  const auto nodes = space.nodes(at.span);
+  const auto nodes = space.nodes(at.cell);
   for (std::size_t r = 0; r < nodes.size(); ++r)
     for (std::size_t d = 0; d < 3; ++d)
       f[3 * nodes[r] + static_cast<Eigen::Index>(d)] = shapes.values(0, static_cast<Eigen::Index>(r)) * force[d];

@@ -29,8 +29,10 @@ double strain_energy(const TrimmedModel& model, const FieldSamples& fields) {
 
 std::vector<LocatedPoint> locate_probes(const TrimmedModel& model, std::span<const Probe> probes) {
   std::vector<LocatedPoint> located;
+  if (probes.empty()) return located;
+  const Locator locator(model);
   for (const Probe& probe : probes)
-    located.push_back(locate(model, probe.position, fmt::format("probe '{}'", probe.name)));
+    located.push_back(locator.locate(probe.position, fmt::format("probe '{}'", probe.name)));
   return located;
 }
 
@@ -41,7 +43,7 @@ ProbeResult recover_probes(const SolutionSpace& space, const ElasticMaterial& ma
   for (std::size_t k = 0; k < probes.size(); ++k) {
     result.names.push_back(probes[k].name);
     result.positions.insert(result.positions.end(), located[k].position.begin(), located[k].position.end());
-    points.span.push_back(located[k].span);
+    points.span.push_back(located[k].cell);
     points.parameters.insert(points.parameters.end(), located[k].parameter.begin(), located[k].parameter.end());
   }
   result.fields = sample_fields(space, material, points, u, Fields::All);

@@ -23,7 +23,7 @@ struct Probe {
   Point3 position{}; ///< length, the part's frame
 };
 
-/// Spans of probes, found before anything is computed. @throws InputError naming a probe outside the part
+/// Cells of probes, found before anything is computed. @throws InputError naming a probe outside the part or in a gap
 std::vector<LocatedPoint> locate_probes(const TrimmedModel& model, std::span<const Probe> probes);
 /// Fields at the located probes, in their order.
 ProbeResult recover_probes(const SolutionSpace& space, const ElasticMaterial& material, const Eigen::VectorXd& u,

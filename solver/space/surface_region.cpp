@@ -150,6 +150,7 @@ SurfaceRegion choose_region(const TrimmedModel& model, const RegionChoice& choic
   const Chooser chooser(model, choice, what);
   const auto& q = model.surface.quadrature;
   const TriangleMesh& mesh = model.surface.mesh;
+  const SurfaceCells surface(model);
   std::vector<bool> whole(mesh.triangles.size());
   struct CutPoint {
     SurfacePoint point;
@@ -163,7 +164,7 @@ SurfaceRegion choose_region(const TrimmedModel& model, const RegionChoice& choic
     whole[t] = cut.part == CutTriangle::Part::Whole;
     if (cut.part != CutTriangle::Part::Some) continue;
     added.clear();
-    add_polygon_points(model, cut.polygon, normal, added);
+    add_polygon_points(model, surface, t, cut.polygon, added);
     for (const SurfacePoint& point : added) cut_points.push_back({point, normal});
   }
   std::stable_sort(cut_points.begin(), cut_points.end(),
