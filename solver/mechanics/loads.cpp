@@ -54,11 +54,11 @@ Eigen::VectorXd traction_load(const SolutionSpace& space, const SurfaceRegion& r
   };
   Eigen::VectorXd f = Eigen::VectorXd::Zero(space.num_unknowns());
   in_order(
-      region.spans.size(),
+      region.cells.size(),
       [&](std::size_t s) {
         const PointBatch batch = gather(space.model(), region, s);
         SpanShapes shapes;
-        evaluate(space, batch.span, batch.parameters, Shapes::Values, shapes);
+        evaluate(space, batch.cell, batch.parameters, Shapes::Values, shapes);
         Eigen::MatrixXd forces(3, static_cast<Eigen::Index>(batch.size()));
         SpanLoad result;
         for (std::size_t q = 0; q < batch.size(); ++q) {
@@ -71,7 +71,7 @@ Eigen::VectorXd traction_load(const SolutionSpace& space, const SurfaceRegion& r
         return result;
       },
       [&](std::size_t s, const SpanLoad& result) {
-        const auto nodes = space.nodes(region.spans[s]);
+        const auto nodes = space.nodes(region.cells[s]);
         for (std::size_t r = 0; r < nodes.size(); ++r)
           f.segment<3>(3 * nodes[r]) += result.local.segment<3>(3 * static_cast<Eigen::Index>(r));
         report.force = plus(report.force, result.part.force);

@@ -8,9 +8,9 @@
 
 namespace iga::solve {
 
-/// Fields (one step) at points grouped by active span: the volume's or the surface's quadrature points.
+/// Fields (one step) at points grouped by cell: the volume's or the surface's quadrature points.
 /// @param[in] u           (num_unknowns)
-/// @param[in] offsets     (num_spans + 1); the a-th span owns points [a] … [a + 1) - 1
+/// @param[in] offsets     (num_cells + 1); cell a owns points [a] … [a + 1) - 1
 /// @param[in] parameters  (n × 3), row-major
 FieldSamples recover_fields(const SolutionSpace& space, const ElasticMaterial& material, const Eigen::VectorXd& u,
                             std::span<const std::int64_t> offsets, const std::vector<double>& parameters);

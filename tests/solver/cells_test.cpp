@@ -74,7 +74,7 @@ TEST_P(CellsOfTwoBlocks, FunctionsAddUpToOneInEveryCell) {
   const SolutionSpace space(model, {LightFunctions::Linear, 0.01});
   SpanShapes shapes;
   for (std::int64_t c = 0; c < space.num_cells(); ++c) {
-    evaluate(space, c, span_parameters(model, c), Shapes::Values, shapes);
+    evaluate(space, c, cell_parameters(model, c), Shapes::Values, shapes);
     for (Eigen::Index q = 0; q < shapes.values.rows(); ++q) EXPECT_NEAR(shapes.values.row(q).sum(), 1, 1e-10);
   }
 }
@@ -86,7 +86,7 @@ TEST_P(CellsOfTwoBlocks, PlacesBelongToTheBlockTheyLieIn) {
   const SurfaceCells surface(model);
   // Every quadrature point of the solid and of its surface finds its own cell.
   for (std::size_t c = 0; c < model.num_cells(); ++c) {
-    for (const auto& list : {span_parameters(model, static_cast<std::int64_t>(c)),
+    for (const auto& list : {cell_parameters(model, static_cast<std::int64_t>(c)),
                              surface_parameters(model, static_cast<std::int64_t>(c))})
       for (std::size_t q = 0; q < list.size(); q += 3)
         EXPECT_EQ(part[static_cast<std::size_t>(locator.cell_in_solid({list[q], list[q + 1], list[q + 2]}))], part[c]);

@@ -29,10 +29,10 @@ RegionDrive::RegionDrive(const SolutionSpace& space, std::size_t body, double de
                                  what, settings_.stiffness, settings_.damping));
   region_ = choose_region(space.model(), settings_.region, what);
   SpanShapes shapes;
-  for (std::size_t s = 0; s < region_.spans.size(); ++s) {
+  for (std::size_t s = 0; s < region_.cells.size(); ++s) {
     const PointBatch batch = gather(space.model(), region_, s);
-    evaluate(space, batch.span, batch.parameters, Shapes::Values, shapes);
-    patches_.push_back({batch.span, shapes.values, batch.weights, std::vector<double>(batch.size(), 0.0)});
+    evaluate(space, batch.cell, batch.parameters, Shapes::Values, shapes);
+    patches_.push_back({batch.cell, shapes.values, batch.weights, std::vector<double>(batch.size(), 0.0)});
   }
   sums_ = Eigen::VectorXd::Zero(space.num_nodes());
 }
