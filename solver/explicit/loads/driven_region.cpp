@@ -65,8 +65,9 @@ void RegionDrive::share_budget(const BodyState& state, const StepTimes& times) {
   add_all(sums_);
   Eigen::VectorXd share = Eigen::VectorXd::Ones(sums_.size());
   for (Index i = 0; i < sums_.size(); ++i) {
-    const double room = times.budget * (*state.masses)[i] / (state.mass_passes * reference_dt_ * reference_dt_) -
-                        (*state.penalty_sum)[i];
+    const double budget = settings_.budget_share < 1 ? settings_.budget_share * times.budget_to_last() : times.budget;
+    const double room =
+        budget * (*state.masses)[i] / (state.mass_passes * reference_dt_ * reference_dt_) - (*state.penalty_sum)[i];
     if (sums_[i] > 0) share[i] = std::clamp(room / sums_[i], 0.0, 1.0);
   }
   for (Patch& patch : patches_) {
