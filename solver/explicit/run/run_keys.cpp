@@ -27,7 +27,7 @@ std::vector<io::TableKeys> run_file_keys() {
       {"energy", {"limit", "warning"}},
       {"watch",
        {"contact_warning", "contact_limit", "depth_warning", "depth_limit", "wall_warning", "wall_limit",
-        "inverted_warning", "inverted_limit"}},
+        "support_warning", "support_limit", "inverted_warning", "inverted_limit"}},
       {"output", {"file", "interval", "field_interval", "restart_interval", "subdivide", "points", "viewer"}},
       {"stop", {"quantity", "above", "below", "after"}}};
   for (const auto& more : {load_keys("loads"), region_keys("supports")})

@@ -2,6 +2,7 @@
 
 #include "format/model/errors.hpp"
 
+#include <algorithm>
 #include <fmt/format.h>
 
 namespace iga::solve {
@@ -41,6 +42,7 @@ void RunWatch::judge(Kind kind, double time, double value, double warning, doubl
 
 void RunWatch::look(const ExplicitScene& scene) {
   if (scene.contact()) look_at_contact(scene);
+  look_at_supports(scene);
   look_at_points(scene);
 }
 
@@ -98,6 +100,22 @@ void RunWatch::look_at_depth(const ExplicitScene& scene, std::span<const PairFor
       "supports (stiffness)");
 }
 
+void RunWatch::look_at_supports(const ExplicitScene& scene) {
+  const WatchLimits& limits = scene.run().watch;
+  for (std::size_t s = 0; s < scene.supports().size(); ++s) {
+    const SupportRun& support = scene.run().supports[s];
+    const Point3 h = scene.body(support.body).space().model().grid.span_size();
+    const double miss = scene.supports()[s]->largest_miss(), span = std::min({h[0], h[1], h[2]});
+    judge(
+        Support, scene.integrator().time(), miss / span, limits.support_warning, limits.support_limit,
+        [&] {
+          return fmt::format("support '{}' gives way: its surface is {:.4g} from where it should be, {:.3g} spans",
+                             support.region.name, miss, miss / span);
+        },
+        "take shorter steps ([time] dt_max), which make supports stiffer, or smaller spans");
+  }
+}
+
 void RunWatch::look_at_points(const ExplicitScene& scene) {
   const Integrator& integrator = scene.integrator();
   const WatchLimits& limits = scene.run().watch;
@@ -122,8 +140,11 @@ void RunWatch::look_at_points(const ExplicitScene& scene) {
 
 std::vector<std::string> RunWatch::warnings() const {
   constexpr std::array<const char*, num_kinds> names{
-      "energy that contact gave back beyond what it took, of the largest", "depth of a contact in spans",
-      "depth of a contact as share of a wall", "depth of a contact without force in spans",
+      "energy that contact gave back beyond what it took, of the largest",
+      "depth of a contact in spans",
+      "depth of a contact as share of a wall",
+      "depth of a contact without force in spans",
+      "way that a support gives in spans",
       "share of crushed points of a body"};
   std::vector<std::string> all;
   for (std::size_t k = 0; k < num_kinds; ++k)
