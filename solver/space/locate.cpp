@@ -41,6 +41,10 @@ ConvexPolygon part_in_box(const TrimmedModel& model, std::size_t triangle, const
   ConvexPolygon polygon;
   for (const std::int32_t v : model.surface.mesh.triangles[triangle])
     polygon.push_back(model.grid.to_parameter(model.surface.mesh.vertices[static_cast<std::size_t>(v)]));
+  for (std::size_t d = 0; d < 3; ++d) { // most triangles lie beside it
+    const auto [low, high] = std::minmax({polygon[0][d], polygon[1][d], polygon[2][d]});
+    if (high < box.lower[d] || low > box.upper[d]) return {};
+  }
   for (std::size_t d = 0; d < 3 && polygon.size() >= 3; ++d) {
     polygon = clip_convex(polygon, [&](const Point3& x) { return box.lower[d] - x[d]; });
     polygon = clip_convex(polygon, [&](const Point3& x) { return x[d] - box.upper[d]; });
