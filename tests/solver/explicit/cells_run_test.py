@@ -15,8 +15,7 @@ import numpy as np
 
 SOURCE, IGAPREP, IGASOLVE = (Path(argument) for argument in sys.argv[1:4])
 sys.path[:0] = [str(SOURCE / "scripts"), str(SOURCE / "tests/scripts")]
-import iga_model  # noqa: E402
-import iga_results  # noqa: E402
+from igatools import iga_model, iga_results  # noqa: E402
 from parts import write_boxes  # noqa: E402
 
 # Two plates of 2 mm, 1 mm apart, in spans of 5 mm: the upper one is pressed onto the lower one.
