@@ -80,6 +80,7 @@ void write_body_meshes(const std::filesystem::path& path, const std::vector<Body
     group.add_rows(field::vertices, body.surface.mesh.vertices);
     group.add(field::vertex_parameters, body.surface.parameters, 3);
     group.add(field::vertex_span, body.surface.span);
+    if (!body.surface.cell.empty()) group.add(field::vertex_cell, body.surface.cell);
     group.add_rows(field::triangles, body.surface.mesh.triangles);
     group.add(field::region, body.surface.mesh.region);
     group.add_texts(field::regions, body.surface.mesh.region_names);
@@ -118,6 +119,8 @@ std::vector<BodyMesh> read_body_meshes(const std::filesystem::path& path, const 
     mesh.vertices = in_rows<Point3>(data.read<double>(field::vertices, vertices, 3));
     body.surface.parameters = data.read<double>(field::vertex_parameters, vertices, 3);
     body.surface.span = data.read<std::int64_t>(field::vertex_span, vertices);
+    if (data.has(field::vertex_cell)) // since 1.1
+      body.surface.cell = data.read<std::int64_t>(field::vertex_cell, vertices);
     const auto corners = data.read<std::int32_t>(field::triangles, triangles, 3);
     data.expect_below(field::triangles, corners, vertices);
     mesh.triangles = in_rows<Triangle>(corners);

@@ -8,7 +8,7 @@ namespace iga::io::field_names {
 
 constexpr const char* format = "iga-trimmed-solid-fields";
 constexpr int format_major = 1;
-constexpr const char* format_version = "1.0";
+constexpr const char* format_version = "1.1";
 constexpr const char* bodies = "/bodies";
 
 /// Datasets of /bodies/<name>: `path` holds the last name alone.
@@ -19,6 +19,8 @@ constexpr DatasetText vertices{"vertices", "length", "(vertex; x y z)", "vertice
 constexpr DatasetText vertex_parameters{"vertex_parameters", "parameter", "(vertex; u v w)",
                                         "the vertices in knot space, inside the closed span that owns each"};
 constexpr DatasetText vertex_span{"vertex_span", "1", "(vertex)", "linear number of the span that owns each vertex"};
+constexpr DatasetText vertex_cell{"vertex_cell", "1", "(vertex)",
+                                  "cell of the model that owns each vertex: entry of /cells"};
 constexpr DatasetText triangles{"triangles", "1", "(triangle; vertex numbers, anticlockwise seen from outside)",
                                 "triangles of the surface"};
 constexpr DatasetText region{"region", "1", "(triangle)", "number of the region that each triangle belongs to"};

@@ -10,7 +10,7 @@
 namespace iga::io::result_names {
 
 constexpr const char* format = "iga-trimmed-solid-results";
-constexpr const char* format_version = "1.2";
+constexpr const char* format_version = "1.3";
 constexpr int format_major = 1;
 
 constexpr std::array<EnumName, 3> kinds{{{"RIGID", 0}, {"ELASTIC", 1}, {"MECHANISM", 2}}};
@@ -116,6 +116,8 @@ constexpr DatasetText vertex_parameters{"/surface/vertex_parameters", "parameter
                                         "the vertices in knot space, inside the closed span that owns each"};
 constexpr DatasetText vertex_span{"/surface/vertex_span", "1", "(vertex)",
                                   "linear number of the span that owns each vertex"};
+constexpr DatasetText vertex_cell{"/surface/vertex_cell", "1", "(vertex)",
+                                  "cell of the model that owns each vertex: entry of /cells"};
 constexpr DatasetText triangles{"/surface/triangles", "1",
                                 "(triangle; vertex numbers, anticlockwise seen from outside)",
                                 "triangles of the surface"};

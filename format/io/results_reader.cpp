@@ -270,6 +270,10 @@ SurfaceResult read_surface(const H5Reader& file) {
   o.parameters = finite(file, result::vertex_parameters, {num_vertices, 3});
   o.span = read<std::int64_t>(file, result::vertex_span, num_vertices);
   expect_none_negative(file, result::vertex_span, o.span);
+  if (file.has(result::vertex_cell.path)) { // since 1.3
+    o.cell = read<std::int64_t>(file, result::vertex_cell, num_vertices);
+    expect_none_negative(file, result::vertex_cell, o.cell);
+  }
   const auto corners = read<std::int32_t>(file, result::triangles, num_triangles, 3);
   expect_range(file, result::triangles, corners, num_vertices);
   o.mesh.triangles = in_rows<Triangle>(corners);

@@ -170,6 +170,7 @@ void write_surface(H5Writer& file, const SurfaceResult& s) {
   file.dataset(result::vertices, {num_vertices, 3}, flat(o.mesh.vertices));
   write(file, result::vertex_parameters, o.parameters, 3);
   write(file, result::vertex_span, o.span);
+  if (!o.cell.empty()) write(file, result::vertex_cell, o.cell);
   file.dataset(result::triangles, {static_cast<std::int64_t>(o.mesh.triangles.size()), 3}, flat(o.mesh.triangles));
   write(file, result::region, o.mesh.region);
   file.strings(result::regions, o.mesh.region_names);

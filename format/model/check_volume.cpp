@@ -8,6 +8,11 @@ namespace iga::detail {
 
 namespace {
 
+// "cell 7 of span 12": what there is to be found in the file.
+std::string name_of(const TrimmedModel& m, std::size_t cell) {
+  return fmt::format("cell {} of span {}", cell, m.cells.span[cell]);
+}
+
 SpanState state_of(const TrimmedModel& m, std::size_t a) {
   return static_cast<SpanState>(m.cells.state[a]);
 }
@@ -22,9 +27,9 @@ void check_fractions(const TrimmedModel& m, int limit, std::vector<std::string>&
   for (std::size_t a = 0; a < m.cells.span.size(); ++a) {
     const double f = m.cells.volume_fraction[a];
     if (!(f >= -rounding && f <= 1 + rounding) && !(leaks && std::isfinite(f)))
-      kind.add("span {} has fraction {}, expected 0 … 1", m.cells.span[a], f);
+      kind.add("{} has fraction {}, expected 0 … 1", name_of(m, a), f);
     else if (state_of(m, a) == SpanState::Interior && !(f >= least_interior) && !leaks)
-      kind.add("interior span {} has fraction {}, expected 1 to the sliver tolerance", m.cells.span[a], f);
+      kind.add("interior {} has fraction {}, expected 1 to the sliver tolerance", name_of(m, a), f);
     whole = a > 0 && m.cells.span[a] == m.cells.span[a - 1] ? whole + f : f;
     if (!(whole <= 1 + rounding) && f <= 1 + rounding && !leaks)
       kind.add("the cells of span {} have fractions that sum to {}, expected at most 1", m.cells.span[a], whole);
@@ -37,9 +42,9 @@ void check_residuals(const TrimmedModel& m, int limit, std::vector<std::string>&
   for (std::size_t a = 0; a < m.cells.span.size(); ++a) {
     const double r = m.points.residual[a];
     if (!(r >= 0 && r <= m.quadrature.tolerance))
-      kind.add("span {} has residual {}, expected 0 … tolerance {}", m.cells.span[a], r, m.quadrature.tolerance);
+      kind.add("{} has residual {}, expected 0 … tolerance {}", name_of(m, a), r, m.quadrature.tolerance);
     else if (state_of(m, a) == SpanState::Interior && r != 0)
-      kind.add("interior span {} has residual {}, expected 0", m.cells.span[a], r);
+      kind.add("interior {} has residual {}, expected 0", name_of(m, a), r);
     worst = std::max(worst, r);
   }
   if (kind.empty() && m.quadrature.max_residual != worst)
@@ -95,7 +100,7 @@ void check_volume(const TrimmedModel& m, int limit, std::vector<std::string>& pr
   ProblemKind owns(problems, limit, "quadrature/offsets against cells/state");
   ProblemKind inside(problems, limit, "quadrature/parameters");
   ProblemKind weight(problems, limit, "quadrature/weights");
-  ProblemKind volume(problems, limit, "volume of a trimmed span");
+  ProblemKind volume(problems, limit, "volume of a trimmed cell");
   ProblemKind total(problems, limit, "volume");
   const Point3 rounding = parameter_rounding(m.grid);
   const double span_volume = m.grid.span_volume(), span_rounding = volume_rounding(m.grid);
@@ -108,13 +113,14 @@ void check_volume(const TrimmedModel& m, int limit, std::vector<std::string>& pr
                last = static_cast<std::size_t>(m.points.offsets[a + 1]);
     const bool trimmed = state_of(m, a) == SpanState::Trimmed;
     if (first == last && (trimmed || m.quadrature.interior_rule == "gauss"))
-      owns.add("{} span {} owns no point", trimmed ? "trimmed" : "interior", m.cells.span[a]);
+      owns.add("{} {} owns no point", trimmed ? "trimmed" : "interior", name_of(m, a));
     const Index3 ijk = m.grid.span_index(m.cells.span[a]);
     Sum own;
     for (std::size_t q = first; q < last; ++q) {
       const double* u = &m.points.parameters[3 * q];
       if (!in_closed_span(m.grid, ijk, u, rounding))
-        inside.add("point {} ({}, {}, {}) lies outside its span {}", q, u[0], u[1], u[2], m.cells.span[a]);
+        inside.add("point {} ({}, {}, {}) of cell {} lies outside its span {}", q, u[0], u[1], u[2], a,
+                   m.cells.span[a]);
       const double w = m.points.weights[q];
       if (!(w > 0 && std::isfinite(w))) weight.add("point {} has weight {}, expected a positive number", q, w);
       own.add(w);
@@ -123,8 +129,8 @@ void check_volume(const TrimmedModel& m, int limit, std::vector<std::string>& pr
     if (trimmed) {
       const double expected = m.cells.volume_fraction[a] * span_volume;
       if (info && !(std::abs(own.value() - expected) <= fit * std::abs(expected) + span_rounding * span_volume))
-        volume.add("span {} has weights that sum to {:.17g}, expected fraction · span volume = {:.17g}",
-                   m.cells.span[a], own.value(), expected);
+        volume.add("{} has weights that sum to {:.17g}, expected fraction · span volume = {:.17g}", name_of(m, a),
+                   own.value(), expected);
     } else {
       ++num_interior;
       interior.add(own.value());
@@ -132,7 +138,7 @@ void check_volume(const TrimmedModel& m, int limit, std::vector<std::string>& pr
   }
   const double expected_interior = static_cast<double>(num_interior) * span_volume;
   if (!(std::abs(interior.value() - expected_interior) <= span_rounding * expected_interior))
-    total.add("weights of the interior spans sum to {:.17g}, expected {} · span volume = {:.17g}", interior.value(),
+    total.add("weights of the interior cells sum to {:.17g}, expected {} · span volume = {:.17g}", interior.value(),
               num_interior, expected_interior);
   const auto& q = m.quadrature;
   const double expected = q.part_volume + q.snapped_volume - q.dropped_volume;

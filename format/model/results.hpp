@@ -41,7 +41,7 @@ struct OutputMesh {
   TriangleMesh mesh;              ///< undeformed, in the part's frame
   std::vector<double> parameters; ///< (n_v × 3), row-major, knot space, in the closed span that owns the vertex
   std::vector<std::int64_t> span; ///< (n_v); linear number of the span that owns the vertex
-  std::vector<std::int64_t> cell; ///< (n_v); cell of the model that owns it; not in files, empty where read from one
+  std::vector<std::int64_t> cell; ///< (n_v); cell of the model that owns it; empty where an older file does not say it
 };
 
 /// Fields on the embedded surface, step by step.

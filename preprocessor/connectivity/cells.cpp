@@ -169,6 +169,8 @@ CellTable split_into_cells(const SplineGrid& grid, const TrimOptions& options, T
                     [](const PieceLink& x, const PieceLink& y) { return x.low == y.low && x.high == y.high; }),
         trimming.links.end());
   }
+  for (const auto& [active, polygon] : graph.left_out_polygons) // those of split spans get an entry without a cell
+    if (!cells.split[static_cast<std::size_t>(active)]) trimming.left_out_polygons.push_back(polygon);
   if (std::find(cells.split.begin(), cells.split.end(), 1) != cells.split.end()) {
     const double span_volume = grid.span_volume();
     for (const PieceGraph::LeftOut& piece : graph.left_out) {

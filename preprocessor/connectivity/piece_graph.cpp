@@ -163,6 +163,10 @@ class Finder {
         ++graph_.unclear;
         if (graph_.first_unclear < 0) graph_.first_unclear = trimming_.active[a];
       }
+      for (const SplitPiece& piece : span.pieces)
+        if (piece.number < 0)
+          for (const std::int64_t q : piece.polygons)
+            graph_.left_out_polygons.emplace_back(static_cast<std::int64_t>(a), q);
       if (span.num_pieces < 2) continue;
       for (const SplitPiece& piece : span.pieces) {
         if (piece.number >= 0) {
@@ -174,6 +178,7 @@ class Finder {
         }
       }
     }
+    std::sort(graph_.left_out_polygons.begin(), graph_.left_out_polygons.end());
   }
 
   void link_all() {

@@ -28,6 +28,9 @@ struct PieceGraph {
     bool dropped; ///< by the smallest fraction
   };
   std::vector<LeftOut> left_out; ///< ascending
+  /// Active span and polygon of SurfacePieces, ascending: of pieces left out of their span, alone beside another or
+  /// not.
+  std::vector<std::pair<std::int64_t, std::int64_t>> left_out_polygons;
   std::int64_t unclear = 0; ///< spans whose pieces cannot be told because the surface leaks or overlaps: one piece each
   std::int64_t first_unclear = -1; ///< one of them
 };

@@ -1,5 +1,5 @@
-// Two passes over the pieces: the first counts points per owning span, the second writes them at their final places, so
-// that the result is sorted by span and does not depend on the number of threads.
+// Two passes over the pieces: the first counts points per owning cell, the second writes them at their final places, so
+// that the result is sorted by cell and does not depend on the number of threads.
 #include "preprocessor/quadrature/surface_quadrature.hpp"
 
 #include "format/model/errors.hpp"
@@ -120,8 +120,8 @@ void for_each_point(std::span<const Point3> polygon, const Facet& facet, const P
 
 /// Where a piece goes.
 struct Placement {
-  std::int64_t active = 0; ///< number of the owning span among the active ones
-  std::int64_t first = 0;  ///< number of its points, later its first point
+  std::int64_t cell = 0;  ///< that owns it
+  std::int64_t first = 0; ///< number of its points, later its first point
 };
 
 Point3 mean(std::span<const Point3> polygon) {
@@ -134,11 +134,11 @@ Point3 mean(std::span<const Point3> polygon) {
   return c;
 }
 
-void fill_piece(const SpanOwner& owner, std::int64_t span, const PieceRules& rules, const Facet& facet, const Point3& h,
+void fill_piece(const SpanOwner& owner, std::int64_t cell, const PieceRules& rules, const Facet& facet, const Point3& h,
                 std::span<const Point3> polygon, std::int32_t triangle, std::int64_t first, SurfacePoints& out) {
   auto q = static_cast<std::size_t>(first);
   for_each_point(polygon, facet, h, rules, [&](const Point3& xi, double weight) {
-    const Point3 u = owner.parameters_in(span, xi);
+    const Point3 u = owner.parameters_in(cell, xi);
     std::copy(u.begin(), u.end(), out.parameters.begin() + static_cast<std::ptrdiff_t>(3 * q));
     std::copy(facet.normal.begin(), facet.normal.end(), out.normals.begin() + static_cast<std::ptrdiff_t>(3 * q));
     out.weights[q] = weight;
@@ -168,20 +168,20 @@ SurfacePoints make_points(const SplineGrid& grid, const TriangleMesh& mesh, cons
       std::int64_t count = 0;
       for_each_point(polygon, facet, h, rules, [&](const Point3&, double) { ++count; });
       if (count == 0) continue;
-      const Point3 middle = mean(polygon);
-      placement[q] = {owner.cell(owner.find(middle, facet.grid_normal), middle, touched), count};
+      placement[q] = {owner.cell_of_polygon(touched, static_cast<std::int64_t>(q), mean(polygon), facet.grid_normal),
+                      count};
     }
   });
 
   SurfacePoints out;
   out.offsets.assign(trimming.active.size() + 1, 0);
-  for (const Placement& p : placement) out.offsets[static_cast<std::size_t>(p.active) + 1] += p.first;
+  for (const Placement& p : placement) out.offsets[static_cast<std::size_t>(p.cell) + 1] += p.first;
   for (std::size_t a = 0; a < trimming.active.size(); ++a) out.offsets[a + 1] += out.offsets[a];
   std::vector<std::int64_t> next(out.offsets.begin(), out.offsets.end() - 1);
   for (Placement& p : placement) {
     const std::int64_t count = p.first;
-    p.first = next[static_cast<std::size_t>(p.active)];
-    next[static_cast<std::size_t>(p.active)] += count;
+    p.first = next[static_cast<std::size_t>(p.cell)];
+    next[static_cast<std::size_t>(p.cell)] += count;
   }
 
   const auto num_points = static_cast<std::size_t>(out.offsets.back());
@@ -191,9 +191,8 @@ SurfacePoints make_points(const SplineGrid& grid, const TriangleMesh& mesh, cons
   out.triangle.resize(num_points);
   tbb::parallel_for(all, [&](const auto& range) {
     for (std::size_t q = range.begin(); q != range.end(); ++q)
-      fill_piece(owner, trimming.active[static_cast<std::size_t>(placement[q].active)], rules,
-                 make_facet(grid, mesh, pieces.triangle[q]), h, pieces.polygon(static_cast<std::int64_t>(q)),
-                 pieces.triangle[q], placement[q].first, out);
+      fill_piece(owner, placement[q].cell, rules, make_facet(grid, mesh, pieces.triangle[q]), h,
+                 pieces.polygon(static_cast<std::int64_t>(q)), pieces.triangle[q], placement[q].first, out);
   });
   return out;
 }
@@ -225,9 +224,8 @@ EmbeddedSurface make_embedded_surface(const SplineGrid& grid, const TriangleMesh
   out.vertex_cell.resize(xi.size());
   out.vertex_parameters.resize(3 * xi.size());
   tbb::parallel_for(std::size_t{0}, xi.size(), [&](std::size_t v) {
-    const std::int64_t span = owner.find(xi[v], normals[v]);
-    out.vertex_cell[v] = owner.cell(span, xi[v], -1);
-    const Point3 u = owner.parameters_in(span, xi[v]);
+    out.vertex_cell[v] = owner.cell_of_vertex(xi[v], normals[v]);
+    const Point3 u = owner.parameters_in(out.vertex_cell[v], xi[v]);
     std::copy(u.begin(), u.end(), out.vertex_parameters.begin() + static_cast<std::ptrdiff_t>(3 * v));
   });
   return out;

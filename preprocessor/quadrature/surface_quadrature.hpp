@@ -7,8 +7,9 @@
 namespace iga::prep {
 
 /// Points exact to total degree 3 max(p) on every piece of the surface, positive weights; every piece and every vertex
-/// is owned by an active span: one in a grid plane or in a snapped or dropped span goes to the neighbour on the
-/// material side, its parameters moved into that span's closed box. Σ weights per region = area of the region to
+/// is owned by a cell: one in a grid plane goes to the neighbour on the material side, one of a piece left out or of a
+/// snapped or dropped span to the nearest cell that is reached through the solid, its parameters moved into that cell's
+/// closed span. Σ weights per region = area of the region to
 /// rounding.
 ///
 /// Moving shifts a piece of a snapped span by at most the sliver tolerance (in spans) and a piece of a dropped span by

@@ -47,6 +47,9 @@ struct Trimming {
   std::vector<std::pair<std::size_t, std::vector<std::array<double, 4>>>> far_bounds;
   /// (num_active), or empty where there are none: cells with functions of their own, which their neighbours hold less.
   std::vector<std::uint8_t> gap_end;
+  /// Ascending: polygons of pieces that count for nothing (slivers, or below the smallest fraction) in spans of one
+  /// cell: they lie beside its own, and need not be joined with it. Empty before spans are split into cells.
+  std::vector<std::int64_t> left_out_polygons;
   double exact_volume = 0;        ///< Σ fractions · span volume before snapping and dropping, length³
   double snapped_volume = 0;      ///< added by snapping to INTERIOR less removed by snapping to EXTERIOR, length³
   double dropped_volume = 0;      ///< length³

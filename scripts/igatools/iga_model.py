@@ -172,14 +172,6 @@ class Model:
         """Index triples (i, j, k) of the spans that own the points of a group: (n, 3)."""
         return self.cell_spans(self.point_cells(group))
 
-    def only_cells(self, spans):
-        """Cells (n) of spans (n), by linear number, that hold one each. Raises ValueError for others."""
-        first, last = (np.searchsorted(self["/cells/span"], spans, side) for side in ("left", "right"))
-        if (last - first != 1).any():
-            span = np.asarray(spans)[np.argmax(last - first != 1)]
-            raise ValueError(f"span {span} does not hold exactly one cell")
-        return first
-
     def components(self):
         """Number of the mechanically separate body that each cell belongs to, from 0, and how many there are.
 

@@ -114,8 +114,8 @@ class Results:
         return Fields(folder / self.texts("/fields/file")[step], mesh)
 
     def field(self, model, coefficients, cells, parameters):
-        """u = sum N_i c_i at parameters (n, 3) of given cells (n): coefficients (n_f, 3) of this file, the functions of the
-        model that it was made from."""
+        """u = sum N_i c_i at parameters (n, 3) of given cells (n): coefficients (n_f, 3) of this file, of the functions of the
+        model that it was made from. Vertices of the surface lie in the cells "/surface/vertex_cell"."""
         if not np.array_equal(self["/functions/active"], model["/functions/number"]):
             raise ValueError(f"{self.path}: these are results of another model")
         N = model.functions_at(model.cell_spans(cells), parameters)[1]

@@ -132,11 +132,11 @@ SpanClasses classify(const SolutionSpace& space, InteriorPoints interior) {
       key.push_back(std::min<std::int64_t>(ijk[d], p[d] - 1) * 16 +
                     std::min<std::int64_t>(extent[d] - 1 - ijk[d], p[d] - 1));
     if (replaces_points(model, a, interior)) return; // the same points in all of them
-    if (span_weights(model, a).empty()) {            // nothing to share, and no product to take
+    if (cell_weights(model, a).empty()) {            // nothing to share, and no product to take
       key.clear();
       return;
     }
-    const auto parameters = span_parameters(model, a), weights = span_weights(model, a);
+    const auto parameters = cell_parameters(model, a), weights = cell_weights(model, a);
     for (std::size_t q = 0; q < weights.size(); ++q) {
       for (std::size_t d = 0; d < 3; ++d)
         key.push_back(

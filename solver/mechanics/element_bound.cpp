@@ -77,7 +77,7 @@ std::optional<ElementBound> element_bound(const SolutionSpace& space, const Elas
   tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, space.num_cells(), 8), [&](const auto& range) {
     WorkSpace& work = spaces.local();
     for (std::int64_t a = range.begin(); a < range.end() && !massless; ++a) {
-      if (span_weights(space.model(), a).empty() && bounding_points(space.model()) == InteriorPoints::Model) continue;
+      if (cell_weights(space.model(), a).empty() && bounding_points(space.model()) == InteriorPoints::Model) continue;
       if (!scaled_span(space, material, a, work)) {
         massless = true;
         return;

@@ -34,9 +34,9 @@ Eigen::VectorXd volume_load(const SolutionSpace& space, const Point3& b, LoadRep
 Eigen::VectorXd point_load(const SolutionSpace& space, const Load& load, const Point3& force, LoadReport& report) {
   const LocatedPoint at = locate(space.model(), load.position, fmt::format("load '{}'", load.name));
   SpanShapes shapes;
-  evaluate(space, at.span, at.parameter, Shapes::Values, shapes);
+  evaluate(space, at.cell, at.parameter, Shapes::Values, shapes);
   Eigen::VectorXd f = Eigen::VectorXd::Zero(space.num_unknowns());
-  const auto nodes = space.nodes(at.span);
+  const auto nodes = space.nodes(at.cell);
   for (std::size_t r = 0; r < nodes.size(); ++r)
     for (std::size_t d = 0; d < 3; ++d)
       f[3 * nodes[r] + static_cast<Eigen::Index>(d)] = shapes.values(0, static_cast<Eigen::Index>(r)) * force[d];
@@ -54,11 +54,11 @@ Eigen::VectorXd traction_load(const SolutionSpace& space, const SurfaceRegion& r
   };
   Eigen::VectorXd f = Eigen::VectorXd::Zero(space.num_unknowns());
   in_order(
-      region.spans.size(),
+      region.cells.size(),
       [&](std::size_t s) {
         const PointBatch batch = gather(space.model(), region, s);
         SpanShapes shapes;
-        evaluate(space, batch.span, batch.parameters, Shapes::Values, shapes);
+        evaluate(space, batch.cell, batch.parameters, Shapes::Values, shapes);
         Eigen::MatrixXd forces(3, static_cast<Eigen::Index>(batch.size()));
         SpanLoad result;
         for (std::size_t q = 0; q < batch.size(); ++q) {
@@ -71,7 +71,7 @@ Eigen::VectorXd traction_load(const SolutionSpace& space, const SurfaceRegion& r
         return result;
       },
       [&](std::size_t s, const SpanLoad& result) {
-        const auto nodes = space.nodes(region.spans[s]);
+        const auto nodes = space.nodes(region.cells[s]);
         for (std::size_t r = 0; r < nodes.size(); ++r)
           f.segment<3>(3 * nodes[r]) += result.local.segment<3>(3 * static_cast<Eigen::Index>(r));
         report.force = plus(report.force, result.part.force);

@@ -12,7 +12,7 @@ FieldSamples recover_fields(const SolutionSpace& space, const ElasticMaterial& m
   points.parameters = parameters;
   for (std::int64_t a = 0; a < space.num_cells(); ++a) {
     const auto first = static_cast<std::size_t>(a);
-    points.span.insert(points.span.end(), static_cast<std::size_t>(offsets[first + 1] - offsets[first]), a);
+    points.cell.insert(points.cell.end(), static_cast<std::size_t>(offsets[first + 1] - offsets[first]), a);
   }
   return sample_fields(space, material, points, u, Fields::All);
 }
@@ -29,8 +29,10 @@ double strain_energy(const TrimmedModel& model, const FieldSamples& fields) {
 
 std::vector<LocatedPoint> locate_probes(const TrimmedModel& model, std::span<const Probe> probes) {
   std::vector<LocatedPoint> located;
+  if (probes.empty()) return located;
+  const Locator locator(model);
   for (const Probe& probe : probes)
-    located.push_back(locate(model, probe.position, fmt::format("probe '{}'", probe.name)));
+    located.push_back(locator.locate(probe.position, fmt::format("probe '{}'", probe.name)));
   return located;
 }
 
@@ -41,7 +43,7 @@ ProbeResult recover_probes(const SolutionSpace& space, const ElasticMaterial& ma
   for (std::size_t k = 0; k < probes.size(); ++k) {
     result.names.push_back(probes[k].name);
     result.positions.insert(result.positions.end(), located[k].position.begin(), located[k].position.end());
-    points.span.push_back(located[k].span);
+    points.cell.push_back(located[k].cell);
     points.parameters.insert(points.parameters.end(), located[k].parameter.begin(), located[k].parameter.end());
   }
   result.fields = sample_fields(space, material, points, u, Fields::All);

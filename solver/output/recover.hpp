@@ -8,9 +8,9 @@
 
 namespace iga::solve {
 
-/// Fields (one step) at points grouped by active span: the volume's or the surface's quadrature points.
+/// Fields (one step) at points grouped by cell: the volume's or the surface's quadrature points.
 /// @param[in] u           (num_unknowns)
-/// @param[in] offsets     (num_spans + 1); the a-th span owns points [a] … [a + 1) - 1
+/// @param[in] offsets     (num_cells + 1); cell a owns points [a] … [a + 1) - 1
 /// @param[in] parameters  (n × 3), row-major
 FieldSamples recover_fields(const SolutionSpace& space, const ElasticMaterial& material, const Eigen::VectorXd& u,
                             std::span<const std::int64_t> offsets, const std::vector<double>& parameters);
@@ -23,7 +23,7 @@ struct Probe {
   Point3 position{}; ///< length, the part's frame
 };
 
-/// Spans of probes, found before anything is computed. @throws InputError naming a probe outside the part
+/// Cells of probes, found before anything is computed. @throws InputError naming a probe outside the part or in a gap
 std::vector<LocatedPoint> locate_probes(const TrimmedModel& model, std::span<const Probe> probes);
 /// Fields at the located probes, in their order.
 ProbeResult recover_probes(const SolutionSpace& space, const ElasticMaterial& material, const Eigen::VectorXd& u,

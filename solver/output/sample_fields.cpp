@@ -12,28 +12,28 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-// Points of one span that are evaluated together; bounds the work space.
+// Points of one cell that are evaluated together; bounds the work space.
 constexpr std::size_t most_points = 512;
 
 struct Batch {
-  std::int64_t span;
-  std::size_t first, last; ///< in the points sorted by span
+  std::int64_t cell;
+  std::size_t first, last; ///< in the points sorted by cell
 };
 
-std::vector<std::size_t> sorted_by_span(const SamplePoints& points) {
-  std::vector<std::size_t> order(points.span.size());
+std::vector<std::size_t> sorted_by_cell(const SamplePoints& points) {
+  std::vector<std::size_t> order(points.cell.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t p, std::size_t q) { return points.span[p] < points.span[q]; });
+                   [&](std::size_t p, std::size_t q) { return points.cell[p] < points.cell[q]; });
   return order;
 }
 
 std::vector<Batch> make_batches(const SamplePoints& points, const std::vector<std::size_t>& order) {
   std::vector<Batch> batches;
   for (std::size_t i = 0; i < order.size(); ++i) {
-    const std::int64_t span = points.span[order[i]];
-    if (batches.empty() || batches.back().span != span || i - batches.back().first == most_points)
-      batches.push_back({span, i, i});
+    const std::int64_t cell = points.cell[order[i]];
+    if (batches.empty() || batches.back().cell != cell || i - batches.back().first == most_points)
+      batches.push_back({cell, i, i});
     batches.back().last = i + 1;
   }
   return batches;
@@ -67,8 +67,8 @@ class Sampler {
   Sampler(const SolutionSpace& space, const ElasticMaterial& material, const SamplePoints& points,
           const Eigen::Ref<const MatrixXd>& unknowns, Fields fields)
       : space_(space), material_(material), points_(points), unknowns_(unknowns), fields_(fields),
-        order_(sorted_by_span(points)) {
-    const std::size_t n = points.span.size() * static_cast<std::size_t>(unknowns.cols());
+        order_(sorted_by_cell(points)) {
+    const std::size_t n = points.cell.size() * static_cast<std::size_t>(unknowns.cols());
     out_.displacement.resize(3 * n);
     if (fields != Fields::Displacement) out_.von_mises.resize(n);
     if (fields == Fields::All) {
@@ -90,9 +90,9 @@ class Sampler {
     for (std::size_t i = batch.first; i < batch.last; ++i)
       work.parameters.insert(work.parameters.end(), &points_.parameters[3 * order_[i]],
                              &points_.parameters[3 * order_[i]] + 3);
-    evaluate(space_, batch.span, work.parameters, fields_ == Fields::Displacement ? Shapes::Values : Shapes::Both,
+    evaluate(space_, batch.cell, work.parameters, fields_ == Fields::Displacement ? Shapes::Values : Shapes::Both,
              work.shapes);
-    const auto nodes = space_.nodes(batch.span);
+    const auto nodes = space_.nodes(batch.cell);
     work.coefficients.resize(static_cast<Index>(nodes.size()), 3 * unknowns_.cols());
     for (std::size_t i = 0; i < nodes.size(); ++i)
       for (Index step = 0; step < unknowns_.cols(); ++step)
@@ -108,7 +108,7 @@ class Sampler {
   }
 
   void store(std::size_t point, Index q, Index step, const WorkSpace& work) {
-    const std::size_t at = static_cast<std::size_t>(step) * points_.span.size() + point;
+    const std::size_t at = static_cast<std::size_t>(step) * points_.cell.size() + point;
     for (std::size_t d = 0; d < 3; ++d)
       out_.displacement[3 * at + d] = work.displacement(q, 3 * step + static_cast<Index>(d));
     if (fields_ == Fields::Displacement) return;

@@ -9,8 +9,8 @@ namespace iga::solve {
 
 /// Where fields are wanted.
 struct SamplePoints {
-  std::vector<std::int64_t> span; ///< (n); position of the owner in model.cells.span
-  std::vector<double> parameters; ///< (n × 3), row-major, in the closed span
+  std::vector<std::int64_t> cell; ///< (n); that owns each
+  std::vector<double> parameters; ///< (n × 3), row-major, in the closed span of the cell
 };
 
 enum class Fields {

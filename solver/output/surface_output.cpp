@@ -2,7 +2,7 @@
 
 #include "format/model/errors.hpp"
 #include "format/model/vec3.hpp"
-#include "solver/space/nearest_span.hpp"
+#include "solver/space/surface_cells.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -27,13 +27,14 @@ class Subdivision {
   void run(const TriangleMesh& mesh, const char* advice) {
     refuse_too_many(mesh, advice);
     std::vector<Piece> rest(mesh.triangles.size()), next;
-    for (std::size_t t = 0; t < rest.size(); ++t) rest[t] = {mesh.triangles[t], mesh.region[t]};
+    for (std::size_t t = 0; t < rest.size(); ++t) rest[t] = {mesh.triangles[t], t};
     while (!rest.empty()) {
       next.clear();
       middles_.clear(); // both triangles of an edge come by in the same round
       for (const Piece& piece : rest) halve_edges(piece, next);
       rest.swap(next);
     }
+    for (const std::size_t t : cut_from_) region_.push_back(mesh.region[t]);
   }
 
   OutputMesh result(const TrimmedModel& model) && {
@@ -44,8 +45,9 @@ class Subdivision {
     out.parameters.resize(3 * n);
     out.cell.resize(n);
     out.span.resize(n);
+    const SurfaceCells surface(model);
     tbb::parallel_for(given_, n, [&](std::size_t v) {
-      const auto owner = nearest_span(model, grid_.to_parameter(vertices_[v]), outward_[v - given_]);
+      const CellPlace owner = surface.find(on_triangle_[v - given_], grid_.to_parameter(vertices_[v]));
       out.cell[v] = owner.cell;
       std::copy(owner.parameter.begin(), owner.parameter.end(), &out.parameters[3 * v]);
     });
@@ -57,7 +59,7 @@ class Subdivision {
  private:
   struct Piece {
     Triangle corners;
-    std::int32_t region;
+    std::size_t triangle; ///< of the model that it is a part of
   };
 
   // No triangle of the result is larger than the equilateral one of the longest edge.
@@ -91,23 +93,21 @@ class Subdivision {
     if (is_new) {
       const Point3 x = vertices_[low], y = vertices_[high];
       vertices_.push_back({0.5 * x[0] + 0.5 * y[0], 0.5 * x[1] + 0.5 * y[1], 0.5 * x[2] + 0.5 * y[2]});
-      outward_.push_back(twice_area(corner(piece, 0), corner(piece, 1), corner(piece, 2)));
+      on_triangle_.push_back(piece.triangle);
     }
     return entry->second;
-  }
-
-  const Point3& corner(const Piece& piece, std::size_t i) const {
-    return vertices_[static_cast<std::size_t>(piece.corners[i])];
   }
 
   void halve_edges(const Piece& piece, std::vector<Piece>& next) {
     std::array<std::int32_t, 3> m{};
     for (std::size_t side = 0; side < 3; ++side) m[side] = middle(piece, side);
     const auto halved = static_cast<std::size_t>(std::count_if(m.begin(), m.end(), [](auto v) { return v >= 0; }));
-    const auto add = [&](std::int32_t a, std::int32_t b, std::int32_t c) { next.push_back({{a, b, c}, piece.region}); };
+    const auto add = [&](std::int32_t a, std::int32_t b, std::int32_t c) {
+      next.push_back({{a, b, c}, piece.triangle});
+    };
     if (halved == 0) {
       triangles_.push_back(piece.corners);
-      region_.push_back(piece.region);
+      cut_from_.push_back(piece.triangle);
       return;
     }
     // Turned so that side 0 is the only one halved, or the last one is the only whole one.
@@ -140,9 +140,10 @@ class Subdivision {
   double longest_;
   std::vector<Point3> vertices_;
   std::size_t given_;
-  std::vector<Point3> outward_; ///< of the vertices that were added
+  std::vector<std::size_t> on_triangle_; ///< of the model, for the vertices that were added
   std::unordered_map<std::uint64_t, std::int32_t> middles_;
   std::vector<Triangle> triangles_;
+  std::vector<std::size_t> cut_from_; ///< triangle of the model that each triangle is a part of
   std::vector<std::int32_t> region_;
 };
 

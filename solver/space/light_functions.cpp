@@ -83,7 +83,7 @@ class Planner {
     LightFunctionPlan plan;
     if (extends(remedy_)) {
       find_neighbours();
-      find_good_spans(plan.warnings);
+      find_good_cells(plan.warnings);
       plan.fictitious = fictitious_;
     }
     std::vector<std::int64_t> light;
@@ -133,8 +133,8 @@ class Planner {
     return good;
   }
 
-  // Good spans of each connected part; where a part has none, its threshold falls.
-  void find_good_spans(std::vector<std::string>& warnings) {
+  // Good cells of each connected part; where a part has none, its threshold falls.
+  void find_good_cells(std::vector<std::string>& warnings) {
     const std::size_t n = model_.cells.span.size();
     good_.resize(n);
     for (std::size_t a = 0; a < n; ++a) good_[a] = is_good(static_cast<std::int64_t>(a));

@@ -169,10 +169,10 @@ std::span<const double> rows_of(const std::vector<double>& values, const std::ve
 
 } // namespace
 
-std::span<const double> span_parameters(const TrimmedModel& model, std::int64_t a) {
+std::span<const double> cell_parameters(const TrimmedModel& model, std::int64_t a) {
   return rows_of(model.points.parameters, model.points.offsets, a, 3);
 }
-std::span<const double> span_weights(const TrimmedModel& model, std::int64_t a) {
+std::span<const double> cell_weights(const TrimmedModel& model, std::int64_t a) {
   return rows_of(model.points.weights, model.points.offsets, a, 1);
 }
 std::span<const double> surface_parameters(const TrimmedModel& model, std::int64_t a) {

@@ -153,7 +153,7 @@ bool replaces_points(const TrimmedModel& model, std::int64_t a, InteriorPoints i
 
 SpanPoints span_points(const SolutionSpace& space, std::int64_t a, SpanPointStorage& storage, InteriorPoints interior) {
   const TrimmedModel& model = space.model();
-  const auto parameters = span_parameters(model, a), weights = span_weights(model, a);
+  const auto parameters = cell_parameters(model, a), weights = cell_weights(model, a);
   const double share = space.fictitious_share(a);
   const bool replace = replaces_points(model, a, interior);
   if (share == 0 && !replace) return {parameters, weights};

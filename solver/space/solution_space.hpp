@@ -109,9 +109,9 @@ SpanPoints span_points(const SolutionSpace& space, std::int64_t a, SpanPointStor
 /// True where span_points gives an interior span's points anew.
 bool replaces_points(const TrimmedModel& model, std::int64_t a, InteriorPoints interior);
 
-/// The points of the a-th active span: its rows of model().points.parameters and .weights; and those on its surface.
-std::span<const double> span_parameters(const TrimmedModel& model, std::int64_t a);
-std::span<const double> span_weights(const TrimmedModel& model, std::int64_t a);
+/// The points of a cell: its rows of model().points.parameters and .weights; and those on its surface.
+std::span<const double> cell_parameters(const TrimmedModel& model, std::int64_t a);
+std::span<const double> cell_weights(const TrimmedModel& model, std::int64_t a);
 std::span<const double> surface_parameters(const TrimmedModel& model, std::int64_t a);
 
 } // namespace iga::solve

@@ -4,7 +4,6 @@
 #include "format/model/triangle_rule.hpp"
 #include "format/model/vec3.hpp"
 #include "solver/space/convex_clip.hpp"
-#include "solver/space/nearest_span.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -74,8 +73,8 @@ CutTriangle cut_triangle(const TriangleMesh& mesh, std::size_t triangle, const s
   return cut;
 }
 
-void add_polygon_points(const TrimmedModel& model, const std::vector<Point3>& polygon, const Point3& normal,
-                        std::vector<SurfacePoint>& points) {
+void add_polygon_points(const TrimmedModel& model, const SurfaceCells& surface, std::size_t triangle,
+                        const std::vector<Point3>& polygon, std::vector<SurfacePoint>& points) {
   const SplineGrid& grid = model.grid;
   const Point3 A = grid.A(), h = grid.span_size();
   const auto degree = grid.degree();
@@ -95,7 +94,7 @@ void add_polygon_points(const TrimmedModel& model, const std::vector<Point3>& po
   for_each_piece(in_spans, 3, grid.spans(), [&](const Polygon& piece) {
     Point3 middle{};
     for (const Point3& xi : piece) middle = plus(middle, times(xi, 1.0 / static_cast<double>(piece.size())));
-    const std::int64_t cell = nearest_span(model, parameter(middle), normal).cell;
+    const std::int64_t cell = surface.find(triangle, parameter(middle)).cell;
     const Box3 box = grid.span_box(grid.span_index(model.cells.span[static_cast<std::size_t>(cell)]));
     for (std::size_t a = 1; a + 1 < piece.size(); ++a) {
       const Point3 corner[3]{parameter(piece[0]), parameter(piece[a]), parameter(piece[a + 1])};

@@ -1,7 +1,7 @@
 // Triangles of the embedded surface cut by half-spaces: exact areas and quadrature points of what is left of them.
 #pragma once
 
-#include "format/model/trimmed_model.hpp"
+#include "solver/space/surface_cells.hpp"
 
 #include <vector>
 
@@ -34,8 +34,8 @@ struct SurfacePoint {
 
 /// Adds the points of a polygon on a triangle: it is cut at the span faces, and every piece gets points exact to three
 /// times the spline's degree. The weights add up to the polygon's area.
-/// @param normal  of the triangle; outward, unit, the part's frame
-void add_polygon_points(const TrimmedModel& model, const std::vector<Point3>& polygon, const Point3& normal,
-                        std::vector<SurfacePoint>& points);
+/// @param surface  of the model
+void add_polygon_points(const TrimmedModel& model, const SurfaceCells& surface, std::size_t triangle,
+                        const std::vector<Point3>& polygon, std::vector<SurfacePoint>& points);
 
 } // namespace iga::solve

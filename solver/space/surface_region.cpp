@@ -134,7 +134,7 @@ Point3 normal_of(const TriangleMesh& mesh, std::size_t triangle) {
   return length > 0 ? times(n, 1 / length) : n;
 }
 
-// Appends a point to the span that is being filled.
+// Appends a point to the cell that is being filled.
 void add_point(SurfaceRegion& region, const Point3& u, double weight, const Point3& normal, const Point3& origin,
                Point3& first_moment) {
   region.parameters.insert(region.parameters.end(), u.begin(), u.end());
@@ -150,6 +150,7 @@ SurfaceRegion choose_region(const TrimmedModel& model, const RegionChoice& choic
   const Chooser chooser(model, choice, what);
   const auto& q = model.surface.quadrature;
   const TriangleMesh& mesh = model.surface.mesh;
+  const SurfaceCells surface(model);
   std::vector<bool> whole(mesh.triangles.size());
   struct CutPoint {
     SurfacePoint point;
@@ -163,7 +164,7 @@ SurfaceRegion choose_region(const TrimmedModel& model, const RegionChoice& choic
     whole[t] = cut.part == CutTriangle::Part::Whole;
     if (cut.part != CutTriangle::Part::Some) continue;
     added.clear();
-    add_polygon_points(model, cut.polygon, normal, added);
+    add_polygon_points(model, surface, t, cut.polygon, added);
     for (const SurfacePoint& point : added) cut_points.push_back({point, normal});
   }
   std::stable_sort(cut_points.begin(), cut_points.end(),
@@ -182,7 +183,7 @@ SurfaceRegion choose_region(const TrimmedModel& model, const RegionChoice& choic
     for (; next != cut_points.end() && next->point.cell == static_cast<std::int64_t>(a); ++next)
       add_point(region, next->point.parameter, next->point.weight, next->normal, model.grid.A(), first);
     if (region.weights.size() == before) continue;
-    region.spans.push_back(static_cast<std::int64_t>(a));
+    region.cells.push_back(static_cast<std::int64_t>(a));
     region.offsets.push_back(static_cast<std::int64_t>(region.weights.size()));
   }
   if (!(region.report.area > 0))
@@ -195,7 +196,7 @@ SurfaceRegion choose_region(const TrimmedModel& model, const RegionChoice& choic
 
 PointBatch gather(const TrimmedModel& model, const SurfaceRegion& region, std::size_t s) {
   PointBatch batch;
-  batch.span = region.spans[s];
+  batch.cell = region.cells[s];
   const auto first = static_cast<std::ptrdiff_t>(region.offsets[s]),
              last = static_cast<std::ptrdiff_t>(region.offsets[s + 1]);
   batch.parameters.assign(region.parameters.begin() + 3 * first, region.parameters.begin() + 3 * last);

@@ -33,14 +33,14 @@ struct RegionReport {
   Point3 centroid{}; ///< length, the part's frame
 };
 
-/// Quadrature points of a choice, span by span. Triangles that lie in it as a whole bring the model's own points; those
+/// Quadrature points of a choice, cell by cell. Triangles that lie in it as a whole bring the model's own points; those
 /// that a box or a plane cuts get new ones on what is left of them: area and centroid are exact. A corner that lies
 /// within the model's surface_depth of a plane counts as lying in it.
 struct SurfaceRegion {
   RegionReport report;
-  std::vector<std::int64_t> spans;   ///< (m) active spans that own chosen points, ascending
+  std::vector<std::int64_t> cells;   ///< (m) that own chosen points, ascending
   std::vector<std::int64_t> offsets; ///< (m + 1)
-  std::vector<double> parameters;    ///< (points × 3), row-major, knot space, inside the closed span
+  std::vector<double> parameters;    ///< (points × 3), row-major, knot space, inside the closed span of the cell
   std::vector<double> weights;       ///< (points); area, length²
   std::vector<Point3> normals;       ///< (points); outward, unit
 };
@@ -49,9 +49,9 @@ struct SurfaceRegion {
 /// @throws InputError for a choice without area, with what was asked for and the regions that exist
 SurfaceRegion choose_region(const TrimmedModel& model, const RegionChoice& choice, const std::string& what);
 
-/// Some points of one span, gathered so that shape functions can be evaluated at once.
+/// Some points of one cell, gathered so that shape functions can be evaluated at once.
 struct PointBatch {
-  std::int64_t span = 0;
+  std::int64_t cell = 0;
   std::vector<double> parameters; ///< (n × 3), row-major
   std::vector<double> weights;    ///< (n); area, length²
   std::vector<Point3> normals;    ///< (n); outward, unit

@@ -29,7 +29,7 @@ struct Support {
 struct PreparedSupport {
   Support support;
   SurfaceRegion region;
-  std::vector<double> beta;          ///< (region.spans), force/length³; Nitsche and penalty
+  std::vector<double> beta;          ///< (region.cells), force/length³; Nitsche and penalty
   std::int64_t first_constraint = 0; ///< its rows of the constraint matrix; Lagrange
   std::int64_t num_constraints = 0;
 };

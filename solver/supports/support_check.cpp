@@ -64,9 +64,9 @@ std::vector<Body> measure(const SolutionSpace& space, const Bodies& bodies) {
 void add_supports(const SolutionSpace& space, const Bodies& bodies, std::span<const PreparedSupport> supports,
                   std::vector<Body>& all) {
   for (const PreparedSupport& prepared : supports)
-    for (std::size_t s = 0; s < prepared.region.spans.size(); ++s) {
+    for (std::size_t s = 0; s < prepared.region.cells.size(); ++s) {
       const PointBatch batch = gather(space.model(), prepared.region, s);
-      Body& body = all[body_of(space, bodies, batch.span)];
+      Body& body = all[body_of(space, bodies, batch.cell)];
       for (std::size_t q = 0; q < batch.size(); ++q) {
         body.support_area += batch.weights[q];
         const FixedDirections fixed = fixed_directions(prepared.support, batch.normals[q], batch.positions[q]);

@@ -50,9 +50,9 @@ double effective_modulus(const ElasticMaterial& material) {
 
 SupportRows make_rows(const SolutionSpace& space, const ElasticMaterial& material, const Support& support,
                       const PointBatch& batch, RowParts parts, SpanShapes& shapes) {
-  const auto nodes = static_cast<Eigen::Index>(space.nodes(batch.span).size());
+  const auto nodes = static_cast<Eigen::Index>(space.nodes(batch.cell).size());
   const bool trace = parts != RowParts::Traction, traction = parts != RowParts::Trace;
-  evaluate(space, batch.span, batch.parameters,
+  evaluate(space, batch.cell, batch.parameters,
            trace && traction ? Shapes::Both : (trace ? Shapes::Values : Shapes::Gradients), shapes);
   SupportRows rows;
   std::vector<double> weights, prescribed;

@@ -46,9 +46,9 @@ void add_span(std::span<const std::int32_t> nodes, const Eigen::VectorXd& local,
 void add_stiffness(const SolutionSpace& space, const ElasticMaterial& material, const PreparedSupport& prepared,
                    StiffnessMatrix& K, Eigen::VectorXd& load) {
   in_order(
-      prepared.region.spans.size(), [&](std::size_t s) { return span_terms(space, material, prepared, s); },
+      prepared.region.cells.size(), [&](std::size_t s) { return span_terms(space, material, prepared, s); },
       [&](std::size_t s, const SpanTerms& terms) {
-        const auto nodes = space.nodes(prepared.region.spans[s]);
+        const auto nodes = space.nodes(prepared.region.cells[s]);
         K.add(nodes, terms.stiffness);
         add_span(nodes, terms.load, load);
       });
@@ -108,13 +108,13 @@ Reaction weak_reaction(const SolutionSpace& space, const ElasticMaterial& materi
   reaction.name = prepared.support.name;
   const bool nitsche = prepared.support.method == SupportMethod::Nitsche;
   in_order(
-      prepared.region.spans.size(),
+      prepared.region.cells.size(),
       [&](std::size_t s) {
         SpanShapes shapes;
         const PointBatch batch = gather(space.model(), prepared.region, s);
         const SupportRows rows =
             make_rows(space, material, prepared.support, batch, nitsche ? RowParts::Both : RowParts::Trace, shapes);
-        const auto nodes = space.nodes(batch.span);
+        const auto nodes = space.nodes(batch.cell);
         Eigen::VectorXd local(3 * static_cast<Eigen::Index>(nodes.size()));
         for (std::size_t r = 0; r < nodes.size(); ++r)
           local.segment<3>(3 * static_cast<Eigen::Index>(r)) = u.segment<3>(3 * nodes[r]);

@@ -206,7 +206,7 @@ ConstraintRows lagrange_rows(const SolutionSpace& space, const ElasticMaterial& 
   const Point3 h = grid.span_size();
   const int p = *std::max_element(degrees.begin(), degrees.end());
   std::vector<PointBatch> batches;
-  for (std::size_t s = 0; s < prepared.region.spans.size(); ++s)
+  for (std::size_t s = 0; s < prepared.region.cells.size(); ++s)
     batches.push_back(gather(space.model(), prepared.region, s));
   const CoarseFunctions functions(batches, std::max(3, p + 1) * *std::max_element(h.begin(), h.end()));
   const Multipliers multipliers(functions, batches, support.along_normal);
@@ -221,8 +221,8 @@ ConstraintRows lagrange_rows(const SolutionSpace& space, const ElasticMaterial& 
   std::vector<Eigen::Triplet<double>> entries;
   SpanShapes shapes;
   for (const PointBatch& b : batches) {
-    const auto nodes = space.nodes(b.span);
-    evaluate(space, b.span, b.parameters, Shapes::Values, shapes);
+    const auto nodes = space.nodes(b.cell);
+    evaluate(space, b.cell, b.parameters, Shapes::Values, shapes);
     std::vector<std::pair<Eigen::Index, Eigen::VectorXd>> local; // few multipliers reach a span
     const auto row_of = [&](Eigen::Index m) -> Eigen::VectorXd& {
       for (auto& [number, row] : local)

@@ -51,7 +51,7 @@ class LocalProblem {
     }
     const PointBatch batch = gather(space_.model(), piece.prepared->region, piece.s);
     const SupportRows rows = make_rows(space_, material_, piece.prepared->support, batch, RowParts::Traction, shapes);
-    const auto place = positions(nodes, batch.span);
+    const auto place = positions(nodes, batch.cell);
     Eigen::MatrixXd traction = Eigen::MatrixXd::Zero(n, rows.weight.size()); // transposed, √weight included
     for (std::size_t r = 0; r < place.size(); ++r)
       traction.middleRows(3 * place[r], 3) = rows.traction.middleCols(3 * static_cast<Eigen::Index>(r), 3).transpose() *
@@ -197,7 +197,7 @@ class Patches {
 
 // The smallest patch whose eigenvalue will do, else the one with the smallest eigenvalue; large patches cost much.
 void choose_patch(const LocalProblem& local, const Patches& patches, double unit, std::int64_t reach, Piece& piece) {
-  const std::int64_t a = piece.prepared->region.spans[piece.s];
+  const std::int64_t a = piece.prepared->region.cells[piece.s];
   const auto attempt = [&](std::vector<std::int64_t> patch) {
     Piece candidate{piece.prepared, piece.s, std::move(patch), 0};
     candidate.eigenvalue = local.largest_eigenvalue(candidate, std::vector<double>(candidate.patch.size(), 1.0));
@@ -221,8 +221,8 @@ void nitsche_parameters(const SolutionSpace& space, const ElasticMaterial& mater
   const double unit = p * p * symmetric_eigenvalues(material.C).maxCoeff() / *std::min_element(h.begin(), h.end());
   std::vector<Piece> pieces;
   for (PreparedSupport* const support : prepared) {
-    support->beta.assign(support->region.spans.size(), 0);
-    for (std::size_t s = 0; s < support->region.spans.size(); ++s) pieces.push_back({support, s, {}, 0});
+    support->beta.assign(support->region.cells.size(), 0);
+    for (std::size_t s = 0; s < support->region.cells.size(); ++s) pieces.push_back({support, s, {}, 0});
   }
   const LocalProblem local(space, material);
   const Patches patches(space.model());

@@ -9,7 +9,7 @@ void penalty_parameters(const SolutionSpace& space, const ElasticMaterial& mater
                         std::span<PreparedSupport* const> prepared) {
   const double stiffness = effective_modulus(material) / std::cbrt(space.model().grid.span_volume());
   for (PreparedSupport* const p : prepared)
-    p->beta.assign(p->region.spans.size(), p->support.penalty_factor * stiffness);
+    p->beta.assign(p->region.cells.size(), p->support.penalty_factor * stiffness);
 }
 
 } // namespace iga::solve

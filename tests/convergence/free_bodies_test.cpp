@@ -39,7 +39,7 @@ double overlap(const TrimmedModel& model, const SolutionSpace& space, const Eige
   double sum = 0;
   SpanShapes shapes;
   for (std::int64_t a = 0; a < space.num_cells(); ++a) {
-    const auto u = span_parameters(model, a), w = span_weights(model, a);
+    const auto u = cell_parameters(model, a), w = cell_weights(model, a);
     evaluate(space, a, u, Shapes::Values, shapes);
     const auto nodes = space.nodes(a);
     for (std::size_t q = 0; q < w.size(); ++q) {

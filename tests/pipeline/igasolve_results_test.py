@@ -89,7 +89,7 @@ class IgasolveResults(unittest.TestCase):
         model = iga_model.read(self.path / "box.h5")
         for path, coefficients in ((self.modes, "/modes"), (self.pull, "/static/displacement")):
             results = iga_results.read(path)
-            cells = model.only_cells(results["/surface/vertex_span"])
+            cells = results["/surface/vertex_cell"]
             c = np.atleast_3d(results[coefficients]).reshape(-1, results.symbols["n_f"], 3)
             for step, field in enumerate(results["/surface/displacement"]):
                 u = results.field(model, c[step], cells, results["/surface/vertex_parameters"])

@@ -106,9 +106,9 @@ TEST(Assembly, EveryEntryIsTheIntegralOfItsTwoFunctions) {
   Eigen::MatrixXd reference = Eigen::MatrixXd::Zero(space.num_unknowns(), space.num_unknowns());
   SpanShapes shapes;
   for (std::int64_t a = 0; a < space.num_cells(); ++a) {
-    evaluate(space, a, span_parameters(model, a), Shapes::Gradients, shapes);
+    evaluate(space, a, cell_parameters(model, a), Shapes::Gradients, shapes);
     const auto nodes = space.nodes(a);
-    const auto w = span_weights(model, a);
+    const auto w = cell_weights(model, a);
     for (std::size_t q = 0; q < w.size(); ++q) {
       Eigen::MatrixXd B = Eigen::MatrixXd::Zero(6, space.num_unknowns());
       for (std::size_t i = 0; i < nodes.size(); ++i) {

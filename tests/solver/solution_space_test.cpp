@@ -37,7 +37,7 @@ TEST_P(SolutionSpaceDegrees, PlainShapeFunctionsAreTheBsplinesOfTheGrid) {
   SpanShapes shapes;
   for (std::int64_t a = 0; a < space.num_cells(); ++a) {
     const Index3 ijk = model.grid.span_index(model.cells.span[static_cast<std::size_t>(a)]);
-    const auto u = span_parameters(model, a);
+    const auto u = cell_parameters(model, a);
     evaluate(space, a, u, Shapes::Both, shapes);
     const std::size_t n = static_cast<std::size_t>(p) + 1;
     std::vector<double> N[3], D[3];
@@ -69,7 +69,7 @@ TEST_P(SolutionSpaceDegrees, ExtensionsReproduceLinearFieldsEverywhere) {
     const auto points = space.node_points();
     SpanShapes shapes;
     for (std::int64_t a = 0; a < space.num_cells(); ++a) {
-      const auto u = span_parameters(model, a);
+      const auto u = cell_parameters(model, a);
       evaluate(space, a, u, Shapes::Both, shapes);
       const auto nodes = space.nodes(a);
       for (std::size_t q = 0; q < u.size() / 3; ++q) {

@@ -353,7 +353,7 @@ TEST(Locate, PointsOfThePartHaveASpanAndOthersAreRefused) {
   EXPECT_NEAR(winding_number(model.surface.mesh, {2, 2, 2}), 1, 1e-12);
   EXPECT_NEAR(winding_number(model.surface.mesh, {1.1, 2, 2}), 0, 1e-12);
   const LocatedPoint inside = locate(model, {2.3, 2.2, 1.7}, "probe 'a'");
-  EXPECT_EQ(model.cells.span[static_cast<std::size_t>(inside.span)], model.grid.span_number({2, 2, 1}));
+  EXPECT_EQ(model.cells.span[static_cast<std::size_t>(inside.cell)], model.grid.span_number({2, 2, 1}));
   const LocatedPoint corner = locate(model, {4.75, 3.5, 2.6}, "probe 'b'");
   for (std::size_t d = 0; d < 3; ++d) EXPECT_NEAR(corner.position[d], (Point3{4.75, 3.5, 2.6}[d]), 1e-12);
   // in an active span, but not in the solid

@@ -4,7 +4,7 @@
 #include "format/model/errors.hpp"
 #include "format/model/span_state.hpp"
 #include "format/model/vec3.hpp"
-#include "solver/space/nearest_span.hpp"
+#include "solver/space/surface_cells.hpp"
 #include "tests/support/synthetic_model.hpp"
 #include "tests/support/synthetic_results.hpp"
 
@@ -118,21 +118,32 @@ TEST(OutputSurfaceRefusals, SubdivideBelowOne) {
   EXPECT_THROW(subdivide_surface(model, 1'000'000), InputError);
 }
 
-TEST(NearestSpanOf, PointsInGridPlanesIsTheOneOfTheMaterial) {
+TEST(SurfaceCellsOf, PlacesInGridPlanesAreThoseOfTheMaterial) {
   const TrimmedModel model =
       test::make_box_model({{0, 0, 0}, {6, 5, 4}, {6, 5, 4}, {2, 2, 2}, identity_rotation, {2, 1, 1}, {4, 3, 2}});
+  const SurfaceCells surface(model);
+  const auto find = [&](const Point3& u, const Point3& outward) { // on the nearest triangle that looks that way
+    const TriangleMesh& mesh = model.surface.mesh;
+    std::size_t nearest = mesh.triangles.size();
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      const auto corner = [&](std::size_t a) { return mesh.vertices[static_cast<std::size_t>(mesh.triangles[t][a])]; };
+      if (dot(twice_area(corner(0), corner(1), corner(2)), outward) <= 0) continue;
+      if (nearest == mesh.triangles.size() || distance_to_triangle(mesh, t, u) < distance_to_triangle(mesh, nearest, u))
+        nearest = t;
+    }
+    return surface.find(nearest, u);
+  };
   const auto span_of = [&](const Point3& u, const Point3& outward) {
-    const auto nearest = nearest_span(model, u, outward);
-    return model.grid.span_index(model.cells.span[static_cast<std::size_t>(nearest.cell)]);
+    return model.grid.span_index(model.cells.span[static_cast<std::size_t>(find(u, outward).cell)]);
   };
   EXPECT_EQ(span_of({4, 1.5, 1.5}, {1, 0, 0}), (Index3{3, 1, 1}));
   EXPECT_EQ(span_of({2, 1.5, 1.5}, {-1, 0, 0}), (Index3{2, 1, 1}));
-  EXPECT_EQ(span_of({3, 1.5, 1.5}, {0, 0, 0}), (Index3{2, 1, 1})); // the lower number
+  EXPECT_EQ(span_of({3, 1, 1.5}, {0, -1, 0}), (Index3{2, 1, 1})); // the lower number
   EXPECT_EQ(span_of({3.2, 2.5, 2}, {0, 0, 1}), (Index3{3, 2, 1}));
-  const auto beyond = nearest_span(model, {4.25, 1.5, 3}, {1, 0, 0});
+  const auto beyond = find({4.25, 1.5, 3}, {1, 0, 0});
   EXPECT_DOUBLE_EQ(beyond.distance, std::hypot(0.25, 1));
   EXPECT_EQ(beyond.parameter, (Point3{4, 1.5, 2}));
-  const auto far = nearest_span(model, {5.5, 4.5, 3.5}, {1, 0, 0});
+  const auto far = find({5.5, 4.5, 3.5}, {1, 0, 0});
   EXPECT_EQ(model.cells.span[static_cast<std::size_t>(far.cell)], model.grid.span_number({3, 2, 1}));
 }
 

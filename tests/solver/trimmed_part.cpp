@@ -23,6 +23,8 @@ TrimmedModel make_part(const TriangleMesh& mesh, const SplineGrid& grid, int mom
   model.quadrature.interior_rule = options.interior_rule;
   model.quadrature.part_volume = volume_moments(mesh).volume;
   prep::QuadratureResult quadrature = prep::build_quadrature(grid, trimming, options);
+  model.quadrature.snapped_volume = trimming.snapped_volume;
+  model.quadrature.dropped_volume = trimming.dropped_volume;
   model.points = std::move(quadrature.points);
   model.quadrature.max_residual = quadrature.max_residual;
   model.functions.mass_fraction = prep::mass_fractions(grid, trimming, cells, model.points);

@@ -108,6 +108,7 @@ inline void expect_equal(const SurfaceResult& a, const SurfaceResult& b) {
   EXPECT_EQ(a.output.mesh.region_names, b.output.mesh.region_names);
   EXPECT_EQ(a.output.parameters, b.output.parameters);
   EXPECT_EQ(a.output.span, b.output.span);
+  EXPECT_EQ(a.output.cell, b.output.cell);
   EXPECT_EQ(a.steps, b.steps);
   expect_equal(a.fields, b.fields);
 }

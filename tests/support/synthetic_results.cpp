@@ -121,7 +121,7 @@ Point3 LinearField::at(const Point3& x) const {
 
 SurfaceResult make_surface_result(const TrimmedModel& model, int num_steps) {
   SurfaceResult s;
-  s.output = {model.surface.mesh, model.surface.vertex_parameters, {}, {}};
+  s.output = {model.surface.mesh, model.surface.vertex_parameters, {}, model.surface.vertex_cell};
   for (const std::int64_t cell : model.surface.vertex_cell)
     s.output.span.push_back(model.cells.span[static_cast<std::size_t>(cell)]);
   for (int step = 0; step < num_steps; ++step) {

@@ -68,7 +68,7 @@ const Fault faults[]{
     {"UnsortedActive", [](auto& m) { std::swap(m.cells.span[0], m.cells.span[1]); }, "cells/span"},
     {"ExteriorThatIsActive", [](auto& m) { m.state[0] = 2; }, "cells/span"},
     {"InteriorCalledTrimmedNeedsItsVolume", [](auto& m) { m.cells.volume_fraction[0] *= 0.5; },
-     "volume of a trimmed span"},
+     "volume of a trimmed cell"},
     {"FractionAboveOne", [](auto& m) { m.cells.volume_fraction[0] = 1.1; }, "fraction 1.1"},
     {"FractionNaN", [](auto& m) { m.cells.volume_fraction[0] = nan; }, "fraction nan"},
     {"FallingOffsets", [](auto& m) { m.points.offsets[1] = 1000; }, "falls"},
@@ -77,7 +77,7 @@ const Fault faults[]{
     {"PointNaN", [](auto& m) { m.points.parameters[5] = nan; }, "outside its span"},
     {"NegativeWeight", [](auto& m) { m.points.weights[2] *= -1; }, "expected a positive number"},
     {"WeightInfinite", [](auto& m) { m.points.weights[2] = 1 / 0.0; }, "expected a positive number"},
-    {"WeightOff", [](auto& m) { m.points.weights[2] *= 1 + 1e-6; }, "volume of a trimmed span"},
+    {"WeightOff", [](auto& m) { m.points.weights[2] *= 1 + 1e-6; }, "volume of a trimmed cell"},
     {"VolumeOff", [](auto& m) { m.quadrature.part_volume *= 1 + 1e-8; }, "all weights sum to"},
     {"ResidualAboveTolerance", [](auto& m) { m.points.residual[0] = 1e-9; }, "residual 1e-09"},
     {"ResidualNotTheLargest", [](auto& m) { m.quadrature.max_residual = 1e-11; }, "max_residual"},
@@ -144,7 +144,7 @@ TEST(ModelCheck, InteriorSpansMayOwnNoPointUnderGeneralisedRules) {
     m.points.offsets[a] -= static_cast<std::int64_t>(end - last);
   EXPECT_EQ(all_of(check(m)), "");
   m.quadrature.interior_rule = "gauss";
-  EXPECT_NE(all_of(check(m)).find("interior span"), std::string::npos);
+  EXPECT_NE(all_of(check(m)).find("interior cell"), std::string::npos);
 }
 
 TEST(ModelCheck, SurfaceIntegralsAreNotJudgedWhereALeakWasAccepted) {

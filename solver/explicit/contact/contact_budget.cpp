@@ -23,8 +23,6 @@ constexpr double least_limit = 0.1;
 constexpr double shortest_next_step = 0.7, approach = 0.25;
 // It asks from this share of its limit on; before, it is as stiff as the present step allows.
 constexpr double hard_share = 2.0 / 3;
-// Crushed foam lowers the stable step to a share of this.
-constexpr double shrinkage = 2.4;
 
 /// Damping c = 2 ξ √(k m) with m = k dt² / η counts like a spring of 2 c / dt.
 double damping_factor(const ContactPair& pair) {
@@ -56,10 +54,8 @@ double over_row(const SparseRows& S, std::int32_t v, const Eigen::VectorXd& z) {
 
 void ContactModel::share_budget(std::span<const BodyState> bodies, const StepTimes& times) {
   reference_dt_ = times.dt;
-  // Springs shall last while stability shrinks: x = dt ω_max grows, but not beyond that of the run's safety factor.
   StepTimes later = times;
-  const double x2 = shrinkage * shrinkage * (4 - times.budget);
-  later.budget = std::min(times.budget, std::max(times.lasting, 4 - x2));
+  later.budget = times.budget_to_last();
   density_.assign(surfaces_.size(), {});
   for (std::size_t s = 0; s < surfaces_.size(); ++s) {
     const MovingSurface& surface = surfaces_[s];

@@ -82,6 +82,15 @@ void ContactModel::apply_forces(const StepTimes& times) {
       pair.largest_depth = depth;
       pair.deepest = touch.point;
     }
+    if (depth > pair.forceless_depth && !(k > 0) && touch.area > 0 && settings.stiffness > 0) {
+      pair.forceless_depth = depth;
+      pair.forceless = touch.point;
+    }
+    if (const double share = depth / touch.wall; share > pair.wall_share) {
+      pair.wall_share = share;
+      pair.wall_depth = depth;
+      pair.in_wall = touch.point;
+    }
     pair.area += touch.area;
     ++pair.touches;
   }

@@ -19,6 +19,14 @@ struct PairForce {
   std::int64_t touches = 0;
   double span_size = 0; ///< of the first side, length
   double depth_in_spans() const { return span_size > 0 ? largest_depth / span_size : 0; }
+  /// Deepest touch whose spring has no stiffness because other penalties, such as supports, take all that the step
+  /// allows on its nodes: length, and where.
+  double forceless_depth = 0;
+  Point3 forceless{};
+  double forceless_in_spans() const { return span_size > 0 ? forceless_depth / span_size : 0; }
+  /// Largest depth as a share of the wall behind it, of walls thinner than a span; its depth, and where.
+  double wall_share = 0, wall_depth = 0;
+  Point3 in_wall{};
 };
 
 struct ContactReport {

@@ -122,7 +122,9 @@ std::optional<Touch> touch_face(const PairSearch& search, std::size_t pass_numbe
   if (touch.depth > seen_share * master.mesh().thickness[at(best.face)]) return std::nullopt;
   const double h = slave.is_rigid() ? master.span_size() : slave.span_size();
   const bool own_direction = best.on.feature > 0 && touch.depth > touching * h;
-  touch.limit = std::min(limit_spans * h, limit_share * master.mesh().thickness[at(best.face)]);
+  const double wall = master.mesh().thickness[at(best.face)];
+  touch.limit = std::min(limit_spans * h, limit_share * wall);
+  if (!master.is_rigid() && wall < h) touch.wall = wall;
   touch.normal = own_direction ? times(away, -1 / touch.depth) : times(outward, 1 / norm(outward));
   const Triangle& t = master.mesh().triangles[at(best.face)];
   touch.area = facing_area(slave, search.mask(pass.slave), v, touch.normal);

@@ -3,6 +3,7 @@
 
 #include "solver/explicit/contact/pair_search.hpp"
 
+#include <limits>
 #include <optional>
 
 namespace iga::solve {
@@ -26,6 +27,8 @@ struct Touch {
   double depth = 0;          ///< > 0, length
   double area = 0;           ///< reference area that stands behind it, length²
   double limit = 0;          ///< depth that its spring does not let pass, length
+  double wall =
+      std::numeric_limits<double>::infinity(); ///< thickness that it sinks into where less than a span, length
 };
 
 /// @pre positions of active vertices are up to date

@@ -29,10 +29,10 @@ RegionDrive::RegionDrive(const SolutionSpace& space, std::size_t body, double de
                                  what, settings_.stiffness, settings_.damping));
   region_ = choose_region(space.model(), settings_.region, what);
   SpanShapes shapes;
-  for (std::size_t s = 0; s < region_.spans.size(); ++s) {
+  for (std::size_t s = 0; s < region_.cells.size(); ++s) {
     const PointBatch batch = gather(space.model(), region_, s);
-    evaluate(space, batch.span, batch.parameters, Shapes::Values, shapes);
-    patches_.push_back({batch.span, shapes.values, batch.weights, std::vector<double>(batch.size(), 0.0)});
+    evaluate(space, batch.cell, batch.parameters, Shapes::Values, shapes);
+    patches_.push_back({batch.cell, shapes.values, batch.weights, std::vector<double>(batch.size(), 0.0)});
   }
   sums_ = Eigen::VectorXd::Zero(space.num_nodes());
 }
@@ -65,8 +65,9 @@ void RegionDrive::share_budget(const BodyState& state, const StepTimes& times) {
   add_all(sums_);
   Eigen::VectorXd share = Eigen::VectorXd::Ones(sums_.size());
   for (Index i = 0; i < sums_.size(); ++i) {
-    const double room = times.budget * (*state.masses)[i] / (state.mass_passes * reference_dt_ * reference_dt_) -
-                        (*state.penalty_sum)[i];
+    const double budget = settings_.budget_share < 1 ? settings_.budget_share * times.budget_to_last() : times.budget;
+    const double room =
+        budget * (*state.masses)[i] / (state.mass_passes * reference_dt_ * reference_dt_) - (*state.penalty_sum)[i];
     if (sums_[i] > 0) share[i] = std::clamp(room / sums_[i], 0.0, 1.0);
   }
   for (Patch& patch : patches_) {

@@ -19,6 +19,9 @@ struct DrivenRegion {
   /// β = stiffness · ρ (h/2) / dt², lowered where the budget of stability asks for it.
   double stiffness = 0.5;
   double damping = 0.05; ///< share of critical damping of that mass on that spring
+  /// Of the budget of stability of each node: what it may take. Below 1 the rest is left to contact on the same nodes,
+  /// as those of a wall thinner than a span, counted when stability has shrunk.
+  double budget_share = 1;
 };
 
 /// One driven region of one body. Sources are asked in the order they were added to the integrator: supports before

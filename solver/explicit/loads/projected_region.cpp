@@ -28,7 +28,7 @@ ProjectedRegion::ProjectedRegion(const SolutionSpace& space, std::size_t body, D
     throw InputError(fmt::format("{}: no component is prescribed; give a curve for x, y or z", what));
   const SurfaceRegion chosen = choose_region(space.model(), settings_.region, what);
   report_ = chosen.report;
-  for (const std::int64_t span : chosen.spans)
+  for (const std::int64_t span : chosen.cells)
     for (const std::int32_t i : space.nodes(span)) nodes_.push_back(i);
   std::sort(nodes_.begin(), nodes_.end());
   nodes_.erase(std::unique(nodes_.begin(), nodes_.end()), nodes_.end());
@@ -37,14 +37,14 @@ ProjectedRegion::ProjectedRegion(const SolutionSpace& space, std::size_t body, D
   scale_ = Eigen::VectorXd::Zero(n);
   std::vector<Eigen::Triplet<double>> entries;
   SpanShapes shapes;
-  for (std::size_t s = 0; s < chosen.spans.size(); ++s) {
+  for (std::size_t s = 0; s < chosen.cells.size(); ++s) {
     const PointBatch batch = gather(space.model(), chosen, s);
-    evaluate(space, batch.span, batch.parameters, Shapes::Values, shapes);
+    evaluate(space, batch.cell, batch.parameters, Shapes::Values, shapes);
     const Eigen::Map<const Eigen::VectorXd> weights(batch.weights.data(), static_cast<Index>(batch.size()));
     const Eigen::MatrixXd N = shapes.values, local = N.transpose() * weights.asDiagonal() * N;
     const Eigen::VectorXd area = N.transpose() * weights;
     const Eigen::VectorXd scale = N.cwiseAbs().transpose() * weights.cwiseProduct(N.cwiseAbs().rowwise().sum());
-    const auto own = space.nodes(batch.span);
+    const auto own = space.nodes(batch.cell);
     std::vector<Index> number(own.size());
     for (std::size_t r = 0; r < own.size(); ++r)
       number[r] = std::lower_bound(nodes_.begin(), nodes_.end(), own[r]) - nodes_.begin();

@@ -48,10 +48,10 @@ TimedLoads::TimedLoads(const SolutionSpace& space, std::size_t body, double dens
       throw InputError(
           fmt::format("{}: only a pressure can follow the surface; give a pressure or let it not follow", what));
     Follower follower{timed.factor, timed.load.pressure, choose_region(space.model(), timed.load.region, what), {}, {}};
-    for (std::size_t s = 0; s < follower.region.spans.size(); ++s) {
+    for (std::size_t s = 0; s < follower.region.cells.size(); ++s) {
       follower.batches.push_back(gather(space.model(), follower.region, s));
       follower.shapes.emplace_back();
-      evaluate(space, follower.batches[s].span, follower.batches[s].parameters, Shapes::Both, follower.shapes[s]);
+      evaluate(space, follower.batches[s].cell, follower.batches[s].parameters, Shapes::Both, follower.shapes[s]);
     }
     followers_.push_back(std::move(follower));
   }
@@ -66,10 +66,10 @@ void TimedLoads::add_forces(const StepTimes& times, std::span<const BodyState> b
 void TimedLoads::add_follower(const Follower& load, double pressure, const BodyState& state) const {
   if (pressure == 0) return;
   in_order(
-      load.region.spans.size(),
+      load.region.cells.size(),
       [&](std::size_t s) {
         const PointBatch& batch = load.batches[s];
-        const auto nodes = space_->nodes(batch.span);
+        const auto nodes = space_->nodes(batch.cell);
         Eigen::MatrixXd forces(3, static_cast<Index>(batch.size()));
         for (std::size_t q = 0; q < batch.size(); ++q) {
           const Matrix3d F = deformation_gradient(load.shapes[s], static_cast<Index>(q), nodes, *state.displacement);
@@ -79,7 +79,7 @@ void TimedLoads::add_follower(const Follower& load, double pressure, const BodyS
         return Eigen::MatrixXd(forces * load.shapes[s].values);
       },
       [&](std::size_t s, const Eigen::MatrixXd& nodal) {
-        const auto nodes = space_->nodes(load.batches[s].span);
+        const auto nodes = space_->nodes(load.batches[s].cell);
         for (std::size_t r = 0; r < nodes.size(); ++r)
           state.force->segment<3>(3 * nodes[r]) += nodal.col(static_cast<Index>(r));
       });

@@ -87,7 +87,7 @@ void ExplicitBody::set_velocity(const std::function<Point3(const Point3&)>& fiel
       Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor>::Zero(plain.num_nodes(), 4);
   SpanShapes shapes;
   for (std::int64_t a = 0; a < plain.num_cells(); ++a) {
-    const auto parameters = span_parameters(model, a), weights = span_weights(model, a);
+    const auto parameters = cell_parameters(model, a), weights = cell_weights(model, a);
     if (weights.empty()) continue;
     evaluate(plain, a, parameters, Shapes::Values, shapes);
     const auto nodes = plain.nodes(a);

@@ -34,6 +34,8 @@ void read_time(io::SettingsTable& root, ExplicitRun& run) {
   for (const auto& [key, value] :
        {std::pair("contact_warning", &run.watch.contact_warning), std::pair("contact_limit", &run.watch.contact_limit),
         std::pair("depth_warning", &run.watch.depth_warning), std::pair("depth_limit", &run.watch.depth_limit),
+        std::pair("wall_warning", &run.watch.wall_warning), std::pair("wall_limit", &run.watch.wall_limit),
+        std::pair("support_warning", &run.watch.support_warning), std::pair("support_limit", &run.watch.support_limit),
         std::pair("inverted_warning", &run.watch.inverted_warning),
         std::pair("inverted_limit", &run.watch.inverted_limit)})
     *value = number_from(watch, key, *value, 0);

@@ -75,6 +75,8 @@ struct OutputRun {
 struct WatchLimits {
   double contact_warning = 0.01, contact_limit = 0.05; ///< energy contact gave back too much / the largest energy
   double depth_warning = 0.5, depth_limit = 1;         ///< of contact, in spans
+  double wall_warning = 0.05, wall_limit = 0;          ///< of contact, as share of a wall thinner than a span
+  double support_warning = 0.02, support_limit = 0;    ///< way of a support's surface from its place, in spans
   double inverted_warning = 1e-3, inverted_limit = 0;  ///< points below min_volume_ratio / all points of a body
 };
 

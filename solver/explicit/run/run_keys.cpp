@@ -26,7 +26,8 @@ std::vector<io::TableKeys> run_file_keys() {
       {"time", {"end", "safety", "start_share", "dt_max", "dt_min", "hold", "growth", "max_steps"}},
       {"energy", {"limit", "warning"}},
       {"watch",
-       {"contact_warning", "contact_limit", "depth_warning", "depth_limit", "inverted_warning", "inverted_limit"}},
+       {"contact_warning", "contact_limit", "depth_warning", "depth_limit", "wall_warning", "wall_limit",
+        "support_warning", "support_limit", "inverted_warning", "inverted_limit"}},
       {"output", {"file", "interval", "field_interval", "restart_interval", "subdivide", "points", "viewer"}},
       {"stop", {"quantity", "above", "below", "after"}}};
   for (const auto& more : {load_keys("loads"), region_keys("supports")})

@@ -18,6 +18,10 @@ namespace iga::solve {
 
 namespace {
 
+// Of the budget of stability of a node, supports of a run with contact leave a quarter: springs of theirs are as stiff
+// as ever on a flat face of a solid, and walls thinner than a span, all of whose nodes they hold, can touch.
+constexpr double beside_contact = 0.75;
+
 // What is wrong gets the place in the run file where it was asked for.
 template <class Make> auto at(const std::string& where, Make make) {
   try {
@@ -105,8 +109,10 @@ void ExplicitScene::add_loads() {
   }
   for (const SupportRun& support : run_.supports)
     supports_.push_back(at(support.where, [&] {
+      DrivenRegion region = support.region;
+      if (!run_.contacts.empty()) region.budget_share = beside_contact;
       return std::make_unique<RegionDrive>(bodies_[support.body]->space(), support.body,
-                                           density_of(run_.bodies[support.body]), support.region);
+                                           density_of(run_.bodies[support.body]), std::move(region));
     }));
 }
 

@@ -2,11 +2,22 @@
 
 #include "format/model/errors.hpp"
 
+#include <algorithm>
 #include <fmt/format.h>
 
 namespace iga::solve {
 
 namespace {
+
+// In spans: what touches without a force is none of rounding.
+constexpr double forceless_warning = 0.01;
+
+template <class Value> std::size_t largest(std::span<const PairForce> pairs, Value value) {
+  std::size_t most = 0;
+  for (std::size_t p = 1; p < pairs.size(); ++p)
+    if (value(pairs[p]) > value(pairs[most])) most = p;
+  return most;
+}
 
 std::string at_point(const Point3& x) {
   return fmt::format("near ({:.6g}, {:.6g}, {:.6g})", x[0], x[1], x[2]);
@@ -31,6 +42,7 @@ void RunWatch::judge(Kind kind, double time, double value, double warning, doubl
 
 void RunWatch::look(const ExplicitScene& scene) {
   if (scene.contact()) look_at_contact(scene);
+  look_at_supports(scene);
   look_at_points(scene);
 }
 
@@ -38,12 +50,8 @@ void RunWatch::look_at_contact(const ExplicitScene& scene) {
   const Integrator& integrator = scene.integrator();
   const WatchLimits& limits = scene.run().watch;
   const auto& pairs = scene.contact()->report().pairs;
-  std::size_t hardest = 0, deepest = 0;
-  for (std::size_t p = 1; p < pairs.size(); ++p) {
-    if (pairs[p].normal_force > pairs[hardest].normal_force) hardest = p;
-    if (pairs[p].depth_in_spans() > pairs[deepest].depth_in_spans()) deepest = p;
-  }
   if (pairs.empty()) return;
+  const std::size_t hardest = largest(pairs, [](const PairForce& pair) { return pair.normal_force; });
   if (const double largest = integrator.largest_energy(); largest > 0)
     judge(
         Contact, integrator.time(), -integrator.energy().contact / largest, limits.contact_warning,
@@ -56,6 +64,15 @@ void RunWatch::look_at_contact(const ExplicitScene& scene) {
               at_point(pairs[hardest].deepest));
         },
         "take shorter steps ([time] dt_max or safety), smaller spans or contact triangles");
+  look_at_depth(scene, pairs);
+}
+
+void RunWatch::look_at_depth(const ExplicitScene& scene, std::span<const PairForce> pairs) {
+  const Integrator& integrator = scene.integrator();
+  const WatchLimits& limits = scene.run().watch;
+  const std::size_t deepest = largest(pairs, [](const PairForce&pair) { return pair.depth_in_spans(); }),
+                    through = largest(pairs, [](const PairForce&pair) { return pair.wall_share; }),
+                    forceless = largest(pairs, [](const PairForce&pair) { return pair.forceless_in_spans(); });
   judge(
       Depth, integrator.time(), pairs[deepest].depth_in_spans(), limits.depth_warning, limits.depth_limit,
       [&] {
@@ -64,6 +81,39 @@ void RunWatch::look_at_contact(const ExplicitScene& scene) {
                            at_point(pairs[deepest].deepest));
       },
       "take shorter steps ([time] dt_max), which make contact stiffer, or smaller spans");
+  judge(
+      Wall, integrator.time(), pairs[through].wall_share, limits.wall_warning, limits.wall_limit,
+      [&] {
+        return fmt::format("contact '{}': one side lies {:.4g} deep in the other, {:.3g} of the wall's thickness, {}",
+                           pairs[through].name, pairs[through].wall_depth, pairs[through].wall_share,
+                           at_point(pairs[through].in_wall));
+      },
+      "contact is soft beside walls thinner than a span; half the step ([time] dt_max) makes it four times as stiff");
+  judge(
+      Forceless, integrator.time(), pairs[forceless].forceless_in_spans(), forceless_warning, 0,
+      [&] {
+        return fmt::format("contact '{}': one side lies {:.4g} deep in the other without a force, {}",
+                           pairs[forceless].name, pairs[forceless].forceless_depth,
+                           at_point(pairs[forceless].forceless));
+      },
+      "supports take all the stiffness that the step allows there: take shorter steps ([time] dt_max) or softer "
+      "supports (stiffness)");
+}
+
+void RunWatch::look_at_supports(const ExplicitScene& scene) {
+  const WatchLimits& limits = scene.run().watch;
+  for (std::size_t s = 0; s < scene.supports().size(); ++s) {
+    const SupportRun& support = scene.run().supports[s];
+    const Point3 h = scene.body(support.body).space().model().grid.span_size();
+    const double miss = scene.supports()[s]->largest_miss(), span = std::min({h[0], h[1], h[2]});
+    judge(
+        Support, scene.integrator().time(), miss / span, limits.support_warning, limits.support_limit,
+        [&] {
+          return fmt::format("support '{}' gives way: its surface is {:.4g} from where it should be, {:.3g} spans",
+                             support.region.name, miss, miss / span);
+        },
+        "take shorter steps ([time] dt_max), which make supports stiffer, or smaller spans");
+  }
 }
 
 void RunWatch::look_at_points(const ExplicitScene& scene) {
@@ -90,7 +140,11 @@ void RunWatch::look_at_points(const ExplicitScene& scene) {
 
 std::vector<std::string> RunWatch::warnings() const {
   constexpr std::array<const char*, num_kinds> names{
-      "energy that contact gave back beyond what it took, of the largest", "depth of a contact in spans",
+      "energy that contact gave back beyond what it took, of the largest",
+      "depth of a contact in spans",
+      "depth of a contact as share of a wall",
+      "depth of a contact without force in spans",
+      "way that a support gives in spans",
       "share of crushed points of a body"};
   std::vector<std::string> all;
   for (std::size_t k = 0; k < num_kinds; ++k)

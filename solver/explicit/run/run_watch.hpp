@@ -6,6 +6,7 @@
 
 #include <array>
 #include <functional>
+#include <span>
 
 namespace iga::solve {
 
@@ -25,10 +26,12 @@ class RunWatch {
     double worst = 0, when = 0;
     std::string first; ///< empty: none
   };
-  enum Kind : std::size_t { Contact, Depth, Inverted, num_kinds };
+  enum Kind : std::size_t { Contact, Depth, Wall, Forceless, Support, Inverted, num_kinds };
   void judge(Kind kind, double time, double value, double warning, double limit,
              const std::function<std::string()>& what, const char* advice);
   void look_at_contact(const ExplicitScene& scene);
+  void look_at_depth(const ExplicitScene& scene, std::span<const PairForce> pairs);
+  void look_at_supports(const ExplicitScene& scene);
   void look_at_points(const ExplicitScene& scene);
 
   Warn warn_;

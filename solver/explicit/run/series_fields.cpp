@@ -62,7 +62,7 @@ std::vector<double> deformation_gradients(const SolutionSpace& space, const Eige
   const TrimmedModel& model = space.model();
   std::vector<double> F(9 * model.points.weights.size());
   tbb::parallel_for(std::int64_t{0}, space.num_cells(), [&](std::int64_t a) {
-    const auto parameters = span_parameters(model, a);
+    const auto parameters = cell_parameters(model, a);
     const auto first = static_cast<std::size_t>((parameters.data() - model.points.parameters.data()) / 3);
     if (parameters.empty()) return;
     SpanShapes shapes;
@@ -145,8 +145,8 @@ std::vector<double> FieldSampler::carried(const std::vector<double>& at_points) 
   std::vector<Eigen::MatrixX2d> parts(num_spans); // per function of the span: Σ w N s, Σ w N
   tbb::parallel_for(std::size_t{0}, num_spans, [&](std::size_t a) {
     const auto span = static_cast<std::int64_t>(a);
-    const auto parameters = span_parameters(model, span);
-    const auto weights = span_weights(model, span);
+    const auto parameters = cell_parameters(model, span);
+    const auto weights = cell_weights(model, span);
     const auto nodes = space_.nodes(span);
     parts[a].setZero(static_cast<Eigen::Index>(nodes.size()), 2);
     if (weights.empty()) return;

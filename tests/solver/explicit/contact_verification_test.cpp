@@ -190,10 +190,10 @@ TEST(ContactInTime, PressedBlocksWithSurfacesThatDoNotMatchAreUnderUniformStress
     for (std::int64_t a = 0; a < body->space.num_cells(); ++a)
       for (auto q = body->model.points.offsets[static_cast<std::size_t>(a)];
            q < body->model.points.offsets[static_cast<std::size_t>(a) + 1]; ++q)
-        points.span.push_back(a);
+        points.cell.push_back(a);
     points.parameters = body->model.points.parameters;
     const FieldSamples fields = sample_fields(body->space, material, points, body->u, Fields::All);
-    for (std::size_t q = 0; q < points.span.size(); ++q)
+    for (std::size_t q = 0; q < points.cell.size(); ++q)
       worst = std::max(worst, std::abs(fields.stress[6 * q + 2] / -pressure - 1));
   }
   std::printf("[          ] pressure %.5g, largest deviation of the stress %.4f; balance %.3g\n", pressure, worst,

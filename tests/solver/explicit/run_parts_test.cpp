@@ -179,7 +179,7 @@ TEST(ExplicitRun, InitialFieldsKeepTheirMomentumAndConverge) {
     double largest = 0;
     SpanShapes shapes;
     for (std::int64_t a = 0; a < body.space().num_cells(); ++a) {
-      const auto parameters = span_parameters(model, a), weights = span_weights(model, a);
+      const auto parameters = cell_parameters(model, a), weights = cell_weights(model, a);
       evaluate(body.space(), a, parameters, Shapes::Values, shapes);
       const auto nodes = body.space().nodes(a);
       for (std::size_t q = 0; q < weights.size(); ++q) {

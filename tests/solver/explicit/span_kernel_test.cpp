@@ -177,8 +177,8 @@ TEST_P(SpanKernels, SpansMayOwnAnyTensorProductOfPoints) {
   IntegrationPoints points;
   points.offsets = {0};
   for (std::size_t a = 0; a < model.cells.span.size(); ++a) {
-    const auto parameters = span_parameters(model, static_cast<std::int64_t>(a));
-    const auto weights = span_weights(model, static_cast<std::int64_t>(a));
+    const auto parameters = cell_parameters(model, static_cast<std::int64_t>(a));
+    const auto weights = cell_weights(model, static_cast<std::int64_t>(a));
     if (model.state[static_cast<std::size_t>(model.cells.span[a])] == static_cast<std::uint8_t>(SpanState::Interior)) {
       const Index3 ijk = model.grid.span_index(model.cells.span[a]);
       const Box3 box = model.grid.span_box(ijk);
