@@ -4,6 +4,7 @@
 #include <csignal>
 #include <cstdint>
 #include <ctime>
+#include <pthread.h>
 #include <unistd.h>
 
 namespace iga::io {
@@ -26,6 +27,34 @@ extern "C" void note_signal(int number) {
     _exit(128 + number);
 }
 
+// METIS puts a handler of its own in the place of ours for SIGTERM while it works, one that jumps to where the thread
+// that called METIS came from: run by another thread it ends in a segmentation fault. So SIGTERM is blocked in every
+// thread, and one thread waits for it.
+void* wait_for_termination(void*) {
+  sigset_t set;
+  sigemptyset(&set);
+  sigaddset(&set, SIGTERM);
+  for (int number = 0;;)
+    if (sigwait(&set, &number) == 0) note_signal(number);
+  return nullptr;
+}
+
+void start_waiting_for_termination() {
+  sigset_t set;
+  sigemptyset(&set);
+  sigaddset(&set, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &set, nullptr);
+  pthread_attr_t attributes;
+  pthread_attr_init(&attributes);
+  pthread_attr_setdetachstate(&attributes, PTHREAD_CREATE_DETACHED);
+  pthread_attr_setstacksize(&attributes, 1 << 18);
+  pthread_t thread{};
+  // Without memory for a thread the handler does what it did before.
+  if (pthread_create(&thread, &attributes, wait_for_termination, nullptr) != 0)
+    pthread_sigmask(SIG_UNBLOCK, &set, nullptr);
+  pthread_attr_destroy(&attributes);
+}
+
 } // namespace
 
 void install_signal_handlers() {
@@ -37,6 +66,7 @@ void install_signal_handlers() {
   struct sigaction before {};
   sigaction(SIGHUP, nullptr, &before);
   if (before.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);
+  start_waiting_for_termination();
   // A file that reaches the process's size limit is a failed write with a message, not a death.
   action.sa_handler = SIG_IGN;
   sigaction(SIGXFSZ, &action, nullptr);

@@ -8,7 +8,8 @@ struct Interrupted {};
 
 /// From now on the first SIGINT, SIGTERM, SIGHUP or SIGQUIT only sets the flag; another one a second later or more ends
 /// the program at once. (Closing a terminal or stopping a service sends two at a time.) SIGHUP stays ignored where it
-/// is, as under nohup.
+/// is, as under nohup. To be called once, before any other thread is started: SIGTERM is blocked in all of them, and
+/// a thread of its own waits for it.
 void install_signal_handlers();
 
 /// Number of the signal that arrived, 0 for none.

@@ -76,7 +76,8 @@ class Planner {
   Planner(const TrimmedModel& model, const LightTreatment& treatment)
       : model_(model), remedy_(treatment.remedy), threshold_(treatment.threshold),
         light_(model.num_unknowns()), unknowns_(model) {
-    for (std::size_t u = 0; u < light_.size(); ++u) light_[u] = model.unknown_mass_fraction()[u] < threshold_;
+    find_gap_ends();
+    for (std::size_t u = 0; u < light_.size(); ++u) light_[u] = is_light(u, threshold_);
   }
 
   LightFunctionPlan plan() {
@@ -100,6 +101,24 @@ class Planner {
  private:
   template <class Visit> void for_unknowns(std::int64_t cell, Visit visit) const {
     for (const std::int32_t u : unknowns_.of(static_cast<std::size_t>(cell))) visit(std::int64_t{u});
+  }
+
+  // Unknowns that cells at gap ends see stay on their own under the linear remedy: continuous functions in cut cells cost
+  // no time step beside those in whole ones (stiffness over mass goes with the depth of the cut to the power p - 2), and
+  // good cells are so far that extrapolation would take more mass from their nodes than these have.
+  void find_gap_ends() {
+    if (model_.unknowns.empty() || remedy_ != LightFunctions::Linear) return;
+    stays_.assign(light_.size(), 0);
+    at_gap_end_.assign(model_.num_cells(), 0);
+    for (std::size_t c = 0; c < model_.num_cells(); ++c) {
+      if (!model_.is_at_gap_end(c)) continue;
+      at_gap_end_[c] = 1;
+      for (const std::int32_t u : unknowns_.of(c)) stays_[static_cast<std::size_t>(u)] = 1;
+    }
+  }
+
+  bool is_light(std::size_t unknown, double threshold) const {
+    return model_.unknown_mass_fraction()[unknown] < threshold && (stays_.empty() || stays_[unknown] == 0);
   }
 
   void find_neighbours() {
@@ -128,8 +147,11 @@ class Planner {
   }
 
   bool is_good(std::int64_t cell) const {
-    bool good = true;
-    for_unknowns(cell, [&](std::int64_t u) { good = good && !light_[static_cast<std::size_t>(u)]; });
+    bool good = at_gap_end_.empty() || at_gap_end_[static_cast<std::size_t>(cell)] == 0;
+    for_unknowns(cell, [&](std::int64_t u) {
+      const auto unknown = static_cast<std::size_t>(u);
+      good = good && !light_[unknown] && (stays_.empty() || model_.unknown_mass_fraction()[unknown] >= threshold_);
+    });
     return good;
   }
 
@@ -158,12 +180,18 @@ class Planner {
       return std::any_of(part.begin(), part.end(), [&](std::int32_t a) { return good_[static_cast<std::size_t>(a)]; });
     };
     if (any_good()) return;
+    if (std::any_of(part.begin(), part.end(), [&](std::int32_t a) {
+          return !at_gap_end_.empty() && at_gap_end_[static_cast<std::size_t>(a)] != 0;
+        })) { // nothing to follow but what stays on its own
+      for (const std::int32_t a : part) for_unknowns(a, [&](std::int64_t u) { light_[static_cast<std::size_t>(u)] = 0; });
+      return;
+    }
     double threshold = threshold_;
     while (threshold > lowest_threshold && !any_good()) {
       threshold /= 10;
       for (const std::int32_t a : part)
         for_unknowns(a, [&](std::int64_t u) {
-          light_[static_cast<std::size_t>(u)] = model_.unknown_mass_fraction()[static_cast<std::size_t>(u)] < threshold;
+          light_[static_cast<std::size_t>(u)] = is_light(static_cast<std::size_t>(u), threshold);
         });
       for (const std::int32_t a : part) good_[static_cast<std::size_t>(a)] = is_good(a);
     }
@@ -290,6 +318,7 @@ class Planner {
   LightFunctions remedy_;
   double threshold_;
   std::vector<char> light_, good_;
+  std::vector<char> stays_, at_gap_end_; // (n_u), (num_cells); empty unless gaps end and the remedy is linear
   std::vector<double> fictitious_;
   std::vector<std::size_t> first_neighbour_; // (num_cells + 1)
   std::vector<std::int32_t> neighbours_;     // linked cells

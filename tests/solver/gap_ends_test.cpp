@@ -111,7 +111,7 @@ TEST_P(GapEnds, LinearFieldsAndRigidMotionsAreKept) {
                                       LightTreatment{LightFunctions::DegreeP, 1e-6}}) {
     const SolutionSpace space(model, light);
     const auto points = space.node_points();
-    const ElasticMaterial material{210, 0.3, 7.85e-3};
+    const ElasticMaterial material = isotropic(210, 0.3, 7.85e-3);
     const auto K = assemble_stiffness(space, std::make_shared<const Connectivity>(space), material);
     Eigen::Matrix3d G;
     G << 1e-3, 2e-3, 0, 5e-4, -1e-3, 3e-4, 0, 7e-4, 2e-3;
