@@ -78,8 +78,9 @@ void write_functions(H5Writer& file, const TrimmedModel& m) {
 
 void write_unknowns(H5Writer& file, const Unknowns& u) {
   if (u.empty()) return;
-  file.group(names::unknowns, "coefficients of functions from unknowns, where gaps end inside the support of B-splines; "
-                              "without this group every function is an unknown");
+  file.group(names::unknowns,
+             "coefficients of functions from unknowns, where gaps end inside the support of B-splines; "
+             "without this group every function is an unknown");
   write(file, names::unknown_offsets, u.offsets);
   write(file, names::unknown_terms, u.terms);
   write(file, names::unknown_weights, u.weights);

@@ -22,10 +22,10 @@ void evaluate_basis_derivatives(const KnotVector& knots, std::int64_t span, doub
 /// ∫ N over one span for its p + 1 functions; (p + 1) values in parameter units.
 void integrate_basis(const KnotVector& knots, std::int64_t span, std::span<double> integrals);
 
-/// Polar form (blossom) of the spline on one span: Σ weights[a] c_a is the blossom at `arguments` of the polynomial with
-/// the coefficients c_a of the functions span … span + p. The coefficient of function i of any spline that equals the
-/// polynomial is the blossom at the inner knots i + 1 … i + p; a Bernstein coefficient that at the ends of its span,
-/// repeated. De Boor's algorithm with one argument per level (Ramshaw 1989).
+/// Polar form (blossom) of the spline on one span: Σ weights[a] c_a is the blossom at `arguments` of the polynomial
+/// with the coefficients c_a of the functions span … span + p. The coefficient of function i of any spline that equals
+/// the polynomial is the blossom at the inner knots i + 1 … i + p; a Bernstein coefficient that at the ends of its
+/// span, repeated. De Boor's algorithm with one argument per level (Ramshaw 1989).
 /// @param[in]  arguments  (p), in any order
 /// @param[out] weights    (p + 1); they sum to 1
 void blossom_weights(const KnotVector& knots, std::int64_t span, std::span<const double> arguments,

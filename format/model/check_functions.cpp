@@ -131,8 +131,10 @@ class CopyCheck {
     return rows_.empty();
   }
 
-  // What a cell's functions are on a face of its span, as combinations of unknowns: Bernstein coefficients there.
-  std::vector<std::map<std::int32_t, double>> trace(std::int64_t cell, std::size_t axis, bool upper) const {
+  // What a cell's functions are on a face of its span: its Bernstein coefficients there as rows over `unknowns`, which
+  // hold all that the cell sees (ascending).
+  std::vector<double> trace(std::int64_t cell, std::size_t axis, bool upper,
+                            const std::vector<std::int32_t>& unknowns) const {
     const auto p = m_.grid.degree();
     const Index3 e = span(cell);
     const auto functions = m_.functions_of(static_cast<std::size_t>(cell));
@@ -148,21 +150,27 @@ class CopyCheck {
         factors[d].push_back(std::move(weights));
       }
     }
-    std::vector<std::map<std::int32_t, double>> rows;
-    for (const auto& w : factors[2])
-      for (const auto& v : factors[1])
-        for (const auto& u : factors[0]) {
-          auto& row = rows.emplace_back();
-          std::size_t k = 0;
-          for (const double c : w)
-            for (const double b : v)
-              for (const double a : u) {
-                const auto f = static_cast<std::size_t>(functions[k++]);
-                for (auto t = m_.unknowns.offsets[f]; a * b * c != 0 && t < m_.unknowns.offsets[f + 1]; ++t)
-                  row[m_.unknowns.terms[static_cast<std::size_t>(t)]] +=
-                      a * b * c * m_.unknowns.weights[static_cast<std::size_t>(t)];
-              }
-        }
+    const std::size_t n = unknowns.size(), coefficients = factors[0].size() * factors[1].size() * factors[2].size();
+    std::vector<double> rows(n * coefficients, 0.0);
+    std::vector<std::size_t> place;
+    for (std::size_t f = 0; f < functions.size(); ++f) {
+      const auto first = static_cast<std::size_t>(m_.unknowns.offsets[static_cast<std::size_t>(functions[f])]);
+      const auto last = static_cast<std::size_t>(m_.unknowns.offsets[static_cast<std::size_t>(functions[f]) + 1]);
+      place.clear();
+      for (std::size_t t = first; t < last; ++t)
+        place.push_back(static_cast<std::size_t>(
+            std::lower_bound(unknowns.begin(), unknowns.end(), m_.unknowns.terms[t]) - unknowns.begin()));
+      const std::size_t width = factors[0][0].size(), height = factors[1][0].size();
+      double* row = rows.data();
+      for (const auto& w : factors[2])
+        for (const auto& v : factors[1])
+          for (const auto& u : factors[0]) {
+            const double factor = u[f % width] * v[f / width % height] * w[f / (width * height)];
+            if (factor != 0)
+              for (std::size_t t = first; t < last; ++t) row[place[t - first]] += factor * m_.unknowns.weights[t];
+            row += n;
+          }
+    }
     return rows;
   }
 
@@ -181,17 +189,21 @@ class CopyCheck {
 
   void expect_continuous(std::size_t l, std::size_t axis) {
     const double bound = row_tolerance * std::max(factor_size(low(l)), factor_size(high(l)));
-    const auto lower = trace(low(l), axis, true), higher = trace(high(l), axis, false);
-    for (std::size_t k = 0; k < lower.size(); ++k) {
-      auto jump = lower[k];
-      for (const auto& [unknown, weight] : higher[k]) jump[unknown] -= weight;
-      for (const auto& [unknown, weight] : jump)
-        if (!(std::abs(weight) <= bound)) {
-          rows_.add("the function of unknown {} jumps by {:.3g} between the linked cells {} and {}", unknown, weight,
-                    low(l), high(l));
-          return;
-        }
-    }
+    std::vector<std::int32_t> unknowns;
+    for (const std::int64_t cell : {low(l), high(l)})
+      for (const std::int32_t f : m_.functions_of(static_cast<std::size_t>(cell)))
+        unknowns.insert(unknowns.end(), m_.unknowns.terms.begin() + m_.unknowns.offsets[static_cast<std::size_t>(f)],
+                        m_.unknowns.terms.begin() + m_.unknowns.offsets[static_cast<std::size_t>(f) + 1]);
+    std::sort(unknowns.begin(), unknowns.end());
+    unknowns.erase(std::unique(unknowns.begin(), unknowns.end()), unknowns.end());
+    const std::vector<double> lower = trace(low(l), axis, true, unknowns),
+                              higher = trace(high(l), axis, false, unknowns);
+    for (std::size_t k = 0; k < lower.size(); ++k)
+      if (!(std::abs(lower[k] - higher[k]) <= bound)) {
+        rows_.add("the function of unknown {} jumps by {:.3g} between the linked cells {} and {}",
+                  unknowns[k % unknowns.size()], lower[k] - higher[k], low(l), high(l));
+        return;
+      }
   }
 
   // Are a function's cells joined by links inside its support once cells at gap ends, which have B-splines of their
@@ -268,8 +280,7 @@ class CopyCheck {
       std::int64_t groups = 0;
       for (std::size_t i = by_function.first[f]; i < by_function.first[f + 1]; ++i)
         groups += sets[i] == static_cast<std::int32_t>(i);
-      if (groups != 1 &&
-          !joined_through_gap_ends(by_function.of(static_cast<std::int64_t>(f)), m_.functions.number[f]))
+      if (groups != 1 && !joined_through_gap_ends(by_function.of(static_cast<std::int64_t>(f)), m_.functions.number[f]))
         kind_.add("function {} lies on {} groups of cells that no links inside its support join, expected one", f,
                   groups);
     }

@@ -29,10 +29,10 @@ struct Functions {
 };
 
 /// Where a gap ends inside the support of a B-spline, the cells beside it have B-splines of their own, and what carries
-/// the solution is a smaller set of *unknowns*: coefficients of functions = C · unknowns. Columns of C are continuous on
-/// the solid: a B-spline copy elsewhere, inside these cells a Bernstein function of the grid's degree (continuous, not
-/// smooth, across faces), one copy for each connected part of the solid in its own support of 2³ spans at most.
-/// All empty where every function is an unknown of its own (no gap ends).
+/// the solution is a smaller set of *unknowns*: coefficients of functions = C · unknowns. Columns of C are continuous
+/// on the solid: a B-spline copy elsewhere, inside these cells a Bernstein function of the grid's degree (continuous,
+/// not smooth, across faces), one copy for each connected part of the solid in its own support of 2³ spans at most. All
+/// empty where every function is an unknown of its own (no gap ends).
 struct Unknowns {
   std::vector<std::int64_t> offsets; ///< (n_f + 1); function f has the terms offsets[f] … offsets[f + 1] - 1 of its row
   std::vector<std::int32_t> terms;   ///< unknown of each term, ascending within a row

@@ -45,8 +45,7 @@ class Neighbourhood {
 
   std::size_t num_pieces() const { return span_of_.size(); }
   Index3 span(std::int32_t piece) const {
-    return grid_.span_index(
-        active_[static_cast<std::size_t>(span_of_[static_cast<std::size_t>(piece)])]);
+    return grid_.span_index(active_[static_cast<std::size_t>(span_of_[static_cast<std::size_t>(piece)])]);
   }
   std::span<const std::int32_t> linked(std::int32_t piece) const {
     const auto q = static_cast<std::size_t>(piece);
@@ -209,7 +208,8 @@ std::vector<std::uint8_t> find_gap_ends(const SplineGrid& grid, const std::vecto
   for (const std::int32_t piece : beside)
     for (const std::int32_t q : near.linked(piece)) {
       const auto first = copies.of_piece.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(q) * local);
-      if (std::any_of(first, first + static_cast<std::ptrdiff_t>(local), is_glued)) own[static_cast<std::size_t>(q)] = 1;
+      if (std::any_of(first, first + static_cast<std::ptrdiff_t>(local), is_glued))
+        own[static_cast<std::size_t>(q)] = 1;
     }
   return own;
 }
@@ -384,8 +384,7 @@ class Separator {
     for (std::size_t e = 0; e < local_; ++e) {
       const double factor =
           factors[0][e % width_[0]] * factors[1][e / width_[0] % width_[1]] * factors[2][e / (width_[0] * width_[1])];
-      if (std::abs(factor) > no_factor)
-        row[unknown_of_[static_cast<std::size_t>(function(b.follows, e))]] += factor;
+      if (std::abs(factor) > no_factor) row[unknown_of_[static_cast<std::size_t>(function(b.follows, e))]] += factor;
     }
     return row;
   }
@@ -395,8 +394,8 @@ class Separator {
     const Index3 span = near_.span(piece);
     std::vector<Row> bernstein(local_), rows(local_);
     for (std::size_t e = 0; e < local_; ++e)
-      bernstein[e] = bernstein_row(bernstein_[static_cast<std::size_t>(
-          bernstein_of_.at({lattice_number(lattice_index(span, e)), piece}))]);
+      bernstein[e] = bernstein_row(
+          bernstein_[static_cast<std::size_t>(bernstein_of_.at({lattice_number(lattice_index(span, e)), piece}))]);
     const Matrix* back[3];
     for (std::size_t d = 0; d < 3; ++d) back[d] = &extraction(d, span[d]).to_splines;
     for (std::size_t f = 0; f < local_; ++f) {
@@ -446,8 +445,8 @@ class Separator {
       for (std::size_t d = 0; d < 3; ++d) {
         const std::int64_t index = rest % lattice_extent(d);
         rest /= lattice_extent(d);
-        const bool shared = index % static_cast<std::int64_t>(width_[d] - 1) == 0 && index != 0 &&
-                            index != lattice_extent(d) - 1;
+        const bool shared =
+            index % static_cast<std::int64_t>(width_[d] - 1) == 0 && index != 0 && index != lattice_extent(d) - 1;
         product *= (shared ? 2 : 1) * h[d] / static_cast<double>(width_[d]);
       }
       out_.full[static_cast<std::size_t>(bernstein_[b].unknown)] = product;
@@ -462,8 +461,7 @@ class Separator {
       std::map<std::int32_t, double> more;
       for (std::size_t e = 0; e < local_; ++e) {
         const double whole = integral(span, e);
-        const std::int32_t smooth =
-            unknown_of_[static_cast<std::size_t>(function(static_cast<std::int32_t>(q), e))];
+        const std::int32_t smooth = unknown_of_[static_cast<std::size_t>(function(static_cast<std::int32_t>(q), e))];
         if (smooth >= 0 && !seen_by_others(span, smooth_[static_cast<std::size_t>(smooth)]))
           by_span[{number, smooth}].first = whole;
         for (const auto& [unknown, factor] : rows[e])
@@ -474,7 +472,8 @@ class Separator {
         most = std::max(most, value);
       }
     }
-    for (const auto& [key, value] : by_span) out_.full[static_cast<std::size_t>(key.second)] += value.second - value.first;
+    for (const auto& [key, value] : by_span)
+      out_.full[static_cast<std::size_t>(key.second)] += value.second - value.first;
   }
 
   // Does a piece of a span that has no functions of its own see a function?

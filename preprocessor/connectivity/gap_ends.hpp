@@ -19,11 +19,11 @@ struct GapEndUnknowns {
 
 /// Pieces that are to have functions of their own: (num_pieces), nonzero for those.
 ///
-/// A copy that reaches around the end of a gap glues its walls over degree + 1 spans. Two pieces in the 2³ spans about a
-/// vertex of the grid that no links within these spans join see a gap between them; they are glued where one copy
+/// A copy that reaches around the end of a gap glues its walls over degree + 1 spans. Two pieces in the 2³ spans about
+/// a vertex of the grid that no links within these spans join see a gap between them; they are glued where one copy
 /// reaches both. Where the shortest way through links from one to the other is more than two steps longer than the way
-/// across the gap, the gap is more than one span deep. Copies that glue across such a gap are what has to go: all pieces
-/// that they glue, and the pieces linked with those that see such a copy, get functions of their own.
+/// across the gap, the gap is more than one span deep. Copies that glue across such a gap are what has to go: all
+/// pieces that they glue, and the pieces linked with those that see such a copy, get functions of their own.
 std::vector<std::uint8_t> find_gap_ends(const SplineGrid& grid, const std::vector<std::int64_t>& active,
                                         const PieceGraph& graph, const FunctionCopies& copies);
 

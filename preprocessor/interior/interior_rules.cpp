@@ -20,7 +20,8 @@ InteriorRules::InteriorRules(const SplineGrid& grid, const Trimming& trimming, c
   } else {
     std::vector<std::uint8_t> state = trimming.state;
     for (std::size_t a = 0; a < active_.size(); ++a)
-      if (trimming.gap_end[a]) state[static_cast<std::size_t>(active_[a])] = static_cast<std::uint8_t>(SpanState::Trimmed);
+      if (trimming.gap_end[a])
+        state[static_cast<std::size_t>(active_[a])] = static_cast<std::uint8_t>(SpanState::Trimmed);
     boxes_ = lay_boxes(spans_, state, cost);
   }
   box_of_active_.assign(active_.size(), -1);

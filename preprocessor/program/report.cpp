@@ -213,9 +213,10 @@ std::string human_report(const PrepReport& r) {
        fmt::format("{} in {}, {} {} several", r.cells, count(r.components, "connected part", "connected parts"),
                    count(r.split_spans, "span", "spans"), r.split_spans == 1 ? "holds" : "hold"));
   if (r.gap_end_cells > 0)
-    line("gap ends", fmt::format("{} with functions that are continuous but not smooth across faces, so that walls move "
-                                 "on their own up to the end of a gap",
-                                 count(r.gap_end_cells, "cell", "cells")));
+    line("gap ends",
+         fmt::format("{} with functions that are continuous but not smooth across faces, so that walls move "
+                     "on their own up to the end of a gap",
+                     count(r.gap_end_cells, "cell", "cells")));
   line("functions", fmt::format("{} with material, {} light; {} with a copy for each side of a gap", r.functions,
                                 r.light_functions, count(r.copied_functions, "B-spline", "B-splines")));
   if (const auto& w = r.walls.thinnest)

@@ -151,10 +151,10 @@ template <class Visit> void each_setting(Visit&& visit) {
   visit(Setting<double>{"trim", "min_fraction", &T::min_fraction,
                         [](C& c, const S& s) { c.line("min_fraction", s.trim.min_fraction); }, "",
                         "Drop trimmed spans with a smaller volume fraction [0]"});
-  visit(Setting<std::string>{"trim", "gap_ends", &T::gap_ends,
-                             [](C& c, const S& s) { c.line("gap_ends", s.trim.split_gap_ends ? "split" : "glued"); },
-                             "WHAT",
-                             "Walls of a gap near its end: split (functions of lower continuity there) or glued [split]"});
+  visit(Setting<std::string>{
+      "trim", "gap_ends", &T::gap_ends,
+      [](C& c, const S& s) { c.line("gap_ends", s.trim.split_gap_ends ? "split" : "glued"); }, "WHAT",
+      "Walls of a gap near its end: split (functions of lower continuity there) or glued [split]"});
 
   visit(Setting<std::string>{"quadrature",
                              "interior",

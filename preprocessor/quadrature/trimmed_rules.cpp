@@ -53,8 +53,8 @@ TrimmedRules::TrimmedRules(const SplineGrid& grid, const Trimming& trimming, con
       blocks_((trimming.active.size() + spans_per_block - 1) / spans_per_block) {
   tbb::enumerable_thread_specific<MomentFitter> fitters(
       [&] { return MomentFitter(grid, trimming, far_, options.moment_degree, options.tolerance); });
-  // A cell with functions of its own is held by its neighbours less than others are: with moments of degree p it may have
-  // mechanisms (seen at p = 3), with p + 1 it has more points than its stiffness has rank.
+  // A cell with functions of its own is held by its neighbours less than others are: with moments of degree p it may
+  // have mechanisms (seen at p = 3), with p + 1 it has more points than its stiffness has rank.
   std::array<int, 3> own_degree = options.moment_degree;
   for (std::size_t d = 0; d < 3; ++d) own_degree[d] = std::max(own_degree[d], grid.degree()[d] + 1);
   if (!trimming.gap_end.empty()) gap_end_far_ = std::make_unique<FarMoments>(grid, trimming, own_degree);

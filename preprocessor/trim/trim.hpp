@@ -15,7 +15,7 @@ struct TrimOptions {
   /// Depth, in spans: a cut that stays this close to the span's faces is snapped. Never below the rounding of
   /// positions.
   double sliver_tolerance = 2e-5;
-  double min_fraction = 0; ///< trimmed spans with a smaller fraction are dropped (counted, volume recorded)
+  double min_fraction = 0;    ///< trimmed spans with a smaller fraction are dropped (counted, volume recorded)
   bool split_gap_ends = true; ///< functions of lower continuity where gaps end inside the support of B-splines
 };
 

@@ -48,10 +48,10 @@ void add_model(TextReport& report, const AnalysisRun& run, const SolutionSpace& 
   report.line("spans", "{} interior, {} trimmed; degree {}, {} points", summary.interior, summary.trimmed,
               fmt::join(m.grid.degree(), " "), m.points.weights.size());
   report.line("unknowns", "{}{}", space.num_unknowns(),
-              space.num_light() == 0 ? ""
-                                     : fmt::format("; {} of {} functions are light (mass fraction below {:g}): {}",
-                                                   space.num_light(), m.num_unknowns(),
-                                                   space.treatment().threshold, name_of(space.treatment().remedy)));
+              space.num_light() == 0
+                  ? ""
+                  : fmt::format("; {} of {} functions are light (mass fraction below {:g}): {}", space.num_light(),
+                                m.num_unknowns(), space.treatment().threshold, name_of(space.treatment().remedy)));
 }
 
 void add_model(io::JsonObject& report, const AnalysisRun& run, const SolutionSpace& space) {

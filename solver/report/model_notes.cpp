@@ -34,6 +34,16 @@ std::optional<std::string> joined_bodies_warning(const SolutionSpace& space) {
          fmt::format("; the narrowest gap is {:.3g} wide, near ({:.6g})", gap->width, fmt::join(gap->from, ", "));
 }
 
+std::optional<std::string> gap_end_note(const TrimmedModel& model) {
+  const std::int64_t cells = count_cells(model).gap_end_cells;
+  if (cells == 0) return std::nullopt;
+  return fmt::format(
+      "{} cells at the ends of gaps have functions that are continuous, not smooth, across faces: the time "
+      "step is 2 to 5 times shorter than without, and more where these cells are crushed; igaprep "
+      "--gap-ends glued makes a model without them, which is stiffer there",
+      cells);
+}
+
 std::vector<std::string> prefixed(const std::string& subject, const std::vector<std::string>& texts) {
   std::vector<std::string> out;
   for (const std::string& text : texts) out.push_back(fmt::format("{}: {}", subject, text));

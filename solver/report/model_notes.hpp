@@ -19,6 +19,9 @@ std::vector<std::string> model_warnings(const TrimmedModel& model, const Elastic
 /// A warning where the surface has more bodies than the space has mechanically separate parts: bodies that touch.
 std::optional<std::string> joined_bodies_warning(const SolutionSpace& space);
 
+/// What continuous functions at the ends of gaps cost an explicit run; nothing where there are none.
+std::optional<std::string> gap_end_note(const TrimmedModel& model);
+
 /// Each text with what it is about in front: "part.h5: …".
 std::vector<std::string> prefixed(const std::string& subject, const std::vector<std::string>& texts);
 

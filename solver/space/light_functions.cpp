@@ -19,7 +19,8 @@ namespace {
 constexpr double lowest_threshold = 1e-9; // a part that has no good span above it is filled with fictitious material
 constexpr double fictitious_share = 1e-3; // its stiffness and mass, relative to the material's
 
-// What an unknown is the coefficient of, in one direction: the p knots at which the polar form of a polynomial gives it.
+// What an unknown is the coefficient of, in one direction: the p knots at which the polar form of a polynomial gives
+// it.
 struct Coefficient {
   std::array<double, max_degree> knots{};
   double greville = 0; // their mean
@@ -74,8 +75,8 @@ struct CellUnknowns {
 class Planner {
  public:
   Planner(const TrimmedModel& model, const LightTreatment& treatment)
-      : model_(model), remedy_(treatment.remedy), threshold_(treatment.threshold),
-        light_(model.num_unknowns()), unknowns_(model) {
+      : model_(model), remedy_(treatment.remedy), threshold_(treatment.threshold), light_(model.num_unknowns()),
+        unknowns_(model) {
     find_gap_ends();
     for (std::size_t u = 0; u < light_.size(); ++u) light_[u] = is_light(u, threshold_);
   }
@@ -103,9 +104,9 @@ class Planner {
     for (const std::int32_t u : unknowns_.of(static_cast<std::size_t>(cell))) visit(std::int64_t{u});
   }
 
-  // Unknowns that cells at gap ends see stay on their own under the linear remedy: continuous functions in cut cells cost
-  // no time step beside those in whole ones (stiffness over mass goes with the depth of the cut to the power p - 2), and
-  // good cells are so far that extrapolation would take more mass from their nodes than these have.
+  // Unknowns that cells at gap ends see stay on their own under the linear remedy: continuous functions in cut cells
+  // cost no time step beside those in whole ones (stiffness over mass goes with the depth of the cut to the power p -
+  // 2), and good cells are so far that extrapolation would take more mass from their nodes than these have.
   void find_gap_ends() {
     if (model_.unknowns.empty() || remedy_ != LightFunctions::Linear) return;
     stays_.assign(light_.size(), 0);
@@ -138,7 +139,8 @@ class Planner {
     cells_.resize(unknowns_.unknowns.size());
     next.assign(first_cell_.begin(), first_cell_.end() - 1);
     for (std::size_t c = 0; c < model_.num_cells(); ++c)
-      for (const std::int32_t u : unknowns_.of(c)) cells_[next[static_cast<std::size_t>(u)]++] = static_cast<std::int32_t>(c);
+      for (const std::int32_t u : unknowns_.of(c))
+        cells_[next[static_cast<std::size_t>(u)]++] = static_cast<std::int32_t>(c);
   }
 
   std::span<const std::int32_t> neighbours(std::int32_t cell) const {
@@ -183,7 +185,8 @@ class Planner {
     if (std::any_of(part.begin(), part.end(), [&](std::int32_t a) {
           return !at_gap_end_.empty() && at_gap_end_[static_cast<std::size_t>(a)] != 0;
         })) { // nothing to follow but what stays on its own
-      for (const std::int32_t a : part) for_unknowns(a, [&](std::int64_t u) { light_[static_cast<std::size_t>(u)] = 0; });
+      for (const std::int32_t a : part)
+        for_unknowns(a, [&](std::int64_t u) { light_[static_cast<std::size_t>(u)] = 0; });
       return;
     }
     double threshold = threshold_;
@@ -229,11 +232,13 @@ class Planner {
       c.greville = knots.greville(static_cast<std::int64_t>(i));
       return c;
     }
-    // A Bernstein coefficient: the ends of its span, the upper one as often as its Greville point lies p-ths from below.
+    // A Bernstein coefficient: the ends of its span, the upper one as often as its Greville point lies p-ths from
+    // below.
     c.greville = model_.unknowns.parameters[3 * u + d];
     const std::int64_t span = knots.find_span(c.greville);
     const double low = knots.lower(span), high = knots.upper(span);
-    const auto upper = static_cast<std::size_t>(std::lround(static_cast<double>(p) * (c.greville - low) / (high - low)));
+    const auto upper =
+        static_cast<std::size_t>(std::lround(static_cast<double>(p) * (c.greville - low) / (high - low)));
     std::fill_n(c.knots.begin(), p, low);
     std::fill_n(c.knots.begin(), std::min(upper, p), high);
     return c;
@@ -285,8 +290,7 @@ class Planner {
   void follow(Slave& slave) const {
     const std::int32_t cell = nearest_good_cell(slave.unknown);
     if (cell < 0)
-      throw NumericalError(
-          fmt::format("light function {}: no good cell is connected with its support", slave.unknown));
+      throw NumericalError(fmt::format("light function {}: no good cell is connected with its support", slave.unknown));
     const Index3 s = model_.grid.span_index(model_.cells.span[static_cast<std::size_t>(cell)]);
     const auto p = model_.grid.degree();
     double weights[3][max_degree + 1];

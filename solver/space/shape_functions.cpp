@@ -64,6 +64,30 @@ void general_values(const KnotVector& knots, std::int64_t span, std::span<const 
   }
 }
 
+// Bernstein polynomials of a span, by de Casteljau's recursion.
+void bernstein_values(const KnotVector& knots, std::int64_t span, std::span<const double> parameters, std::size_t d,
+                      Univariate& result) {
+  const std::size_t n = parameters.size() / 3;
+  const auto p = static_cast<std::size_t>(knots.degree());
+  result.values.resize(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(p + 1));
+  result.derivatives.resize(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(p + 1));
+  const double lower = knots.lower(span), h = knots.upper(span) - lower;
+  for (std::size_t q = 0; q < n; ++q) {
+    const double t = (parameters[3 * q + d] - lower) / h;
+    double B[max_degree + 1] = {1};
+    for (std::size_t degree = 1; degree <= p; ++degree) {
+      if (degree == p)
+        for (std::size_t a = 0; a <= p; ++a)
+          result.derivatives.data()[a * n + q] =
+              static_cast<double>(p) * ((a > 0 ? B[a - 1] : 0) - (a < p ? B[a] : 0)) / h;
+      B[degree] = t * B[degree - 1];
+      for (std::size_t a = degree - 1; a > 0; --a) B[a] = t * B[a - 1] + (1 - t) * B[a];
+      B[0] *= 1 - t;
+    }
+    for (std::size_t a = 0; a <= p; ++a) result.values.data()[a * n + q] = B[a];
+  }
+}
+
 void univariate_values(const KnotVector& knots, std::int64_t span, std::span<const double> parameters, std::size_t d,
                        Univariate& result) {
   const auto n = static_cast<Eigen::Index>(parameters.size() / 3);
@@ -142,7 +166,8 @@ void evaluate(const SolutionSpace& space, std::int64_t a, std::span<const double
   const SplineGrid& grid = space.model().grid;
   const Index3 ijk = grid.span_index(space.model().cells.span[static_cast<std::size_t>(a)]);
   thread_local Univariate U[3];
-  for (std::size_t d = 0; d < 3; ++d) univariate_values(grid.knots(static_cast<int>(d)), ijk[d], parameters, d, U[d]);
+  const auto univariate = space.is_bernstein(a) ? bernstein_values : univariate_values;
+  for (std::size_t d = 0; d < 3; ++d) univariate(grid.knots(static_cast<int>(d)), ijk[d], parameters, d, U[d]);
   const Eigen::MatrixXd& extension = space.local_extension(a);
   const bool plain = extension.size() == 0;
   if (what != Shapes::Gradients) {

@@ -1,5 +1,6 @@
 #include "solver/space/solution_space.hpp"
 
+#include "format/model/bspline_basis.hpp"
 #include "format/model/errors.hpp"
 #include "solver/base/dense_algebra.hpp"
 #include "solver/space/light_functions.hpp"
@@ -17,6 +18,34 @@ struct LocalSpace {
   std::vector<std::int32_t> nodes;
   Eigen::MatrixXd extension; // empty where the nodes are the span's own functions
 };
+
+// Coefficients of a cell's Bernstein functions from those of its B-splines, ((p + 1)³ × columns) in place.
+void to_bernstein(const SplineGrid& grid, const Index3& span, Eigen::MatrixXd& rows) {
+  Eigen::Index stride = 1;
+  for (std::size_t d = 0; d < 3; ++d) {
+    const KnotVector& knots = grid.knots(static_cast<int>(d));
+    const auto n = static_cast<Eigen::Index>(knots.degree()) + 1;
+    Eigen::MatrixXd T(n, n);
+    std::vector<double> arguments(static_cast<std::size_t>(knots.degree())), weights(static_cast<std::size_t>(n));
+    for (Eigen::Index k = 0; k < n; ++k) {
+      std::fill(arguments.begin(), arguments.end(), knots.lower(span[d]));
+      std::fill_n(arguments.begin(), k, knots.upper(span[d]));
+      blossom_weights(knots, span[d], arguments, weights);
+      for (Eigen::Index a = 0; a < n; ++a) T(k, a) = weights[static_cast<std::size_t>(a)];
+    }
+    Eigen::MatrixXd line(n, rows.cols());
+    for (Eigen::Index first = 0; first < rows.rows(); ++first) {
+      if (first / stride % n != 0) continue;
+      for (Eigen::Index k = 0; k < n; ++k) line.row(k) = rows.row(first + k * stride);
+      line = (T * line).eval();
+      for (Eigen::Index k = 0; k < n; ++k) rows.row(first + k * stride) = line.row(k);
+    }
+    stride *= n;
+  }
+  // What the large factors of the B-splines leave of zeros and ones.
+  constexpr double rounding = 1e-9;
+  rows = rows.unaryExpr([](double x) { return std::abs(x - std::round(x)) < rounding ? std::round(x) : x; });
+}
 
 } // namespace
 
@@ -75,6 +104,8 @@ SolutionSpace::SolutionSpace(const TrimmedModel& model, const LightTreatment& tr
     if (f >= 0) is_node[static_cast<std::size_t>(f)] = node_of[u] >= 0;
   }
 
+  if (!model.unknowns.empty())
+    for (std::size_t c = 0; c < model.num_cells(); ++c) bernstein_.push_back(model.is_at_gap_end(c));
   std::vector<LocalSpace> local(model.num_cells());
   tbb::parallel_for(std::size_t{0}, local.size(), [&](std::size_t a) {
     const auto functions = model.functions_of(a);
@@ -95,6 +126,8 @@ SolutionSpace::SolutionSpace(const TrimmedModel& model, const LightTreatment& tr
         E(static_cast<Eigen::Index>(f),
           std::lower_bound(nodes.begin(), nodes.end(), static_cast<std::int32_t>(it.col())) - nodes.begin()) =
             it.value();
+    if (is_bernstein(static_cast<std::int64_t>(a)))
+      to_bernstein(model.grid, model.grid.span_index(model.cells.span[a]), E);
   });
 
   offsets_.push_back(0);

@@ -11,10 +11,10 @@ namespace iga::solve {
 
 /// Spline space of vector fields u(x) = Σ N_i(x) c_i on the cells of a model.
 /// A *node* is an unknown of the model that carries a coefficient of its own: a function, or beside the end of a gap a
-/// Bernstein function. Nodes are numbered 0 … num_nodes() - 1 in the order of the model's unknowns; component d of node i
-/// is unknown 3 i + d of the equations. Coefficients are vectors in the frame of the part.
-/// Under an extension the shape functions of a node are its own function plus the extrapolated share of the light ones:
-/// everything built on `evaluate` (matrices, loads, samples) is extended without knowing it.
+/// Bernstein function. Nodes are numbered 0 … num_nodes() - 1 in the order of the model's unknowns; component d of node
+/// i is unknown 3 i + d of the equations. Coefficients are vectors in the frame of the part. Under an extension the
+/// shape functions of a node are its own function plus the extrapolated share of the light ones: everything built on
+/// `evaluate` (matrices, loads, samples) is extended without knowing it.
 class SolutionSpace {
  public:
   /// The model must outlive the space. @throws InputError where no function is left
@@ -57,9 +57,15 @@ class SolutionSpace {
   /// (num_unknowns) → (3 n_f), component fastest.
   Eigen::VectorXd expand(const Eigen::Ref<const Eigen::VectorXd>& unknowns) const;
 
-  /// Spans whose shape functions differ from the plain B-splines (slaves present): the (p+1)³ × nodes(a).size() rows of
-  /// the extension, empty for plain spans.
+  /// Cells whose shape functions differ from the plain B-splines (slaves present, gap ends): what the (p+1)³ B-splines,
+  /// or Bernstein functions where is_bernstein, have for coefficients from those of the nodes; (p+1)³ ×
+  /// nodes(a).size(), empty for plain cells.
   const Eigen::MatrixXd& local_extension(std::int64_t a) const;
+  /// Are a cell's shape functions made of Bernstein functions of its span? Those at gap ends, where combinations of
+  /// B-splines would lose up to 5 digits at p = 4.
+  bool is_bernstein(std::int64_t a) const {
+    return !bernstein_.empty() && bernstein_[static_cast<std::size_t>(a)] != 0;
+  }
 
  private:
   const TrimmedModel* model_;
@@ -73,6 +79,7 @@ class SolutionSpace {
   Eigen::SparseMatrix<double, Eigen::RowMajor> extension_, unknown_extension_;
   std::vector<std::int32_t> local_extension_index_; // per span: entry of local_extensions_, -1 for plain spans
   std::vector<Eigen::MatrixXd> local_extensions_;
+  std::vector<std::uint8_t> bernstein_; // (num_cells), or empty
 };
 
 /// Shape functions at n points of one span; work space to be reused. Column-major: the points of a column lie together.

@@ -39,8 +39,7 @@ double relative_error(int p, double spans, MassType type) {
   // one vector per layer of functions along the rod, and one node of each layer to read coefficients from
   std::vector<std::int64_t> layer(static_cast<std::size_t>(space.num_nodes()));
   for (std::size_t i = 0; i < layer.size(); ++i)
-    layer[i] =
-        model.grid.function_index(model.functions.number[static_cast<std::size_t>(space.node_unknowns()[i])])[0];
+    layer[i] = model.grid.function_index(model.functions.number[static_cast<std::size_t>(space.node_unknowns()[i])])[0];
   const auto [low, high] = std::minmax_element(layer.begin(), layer.end());
   const std::int64_t lowest = *low;
   const Eigen::Index size = *high - lowest + 1;

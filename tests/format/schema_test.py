@@ -30,7 +30,7 @@ class SchemaTest(SchemaCases, unittest.TestCase):
         cls.path = Path(cls.folder.name)
         cls.files = [cls.path / f"{kind}.h5" for kind in ("box", "rotated")]
         for file in cls.files:
-            subprocess.run([WRITER, file.stem, file], check=True, capture_output=True)
+            subprocess.run([WRITER, file.stem, file, "unknowns"], check=True, capture_output=True)
 
     @classmethod
     def tearDownClass(cls):

@@ -156,6 +156,7 @@ TEST(Settings, ValuesOutOfRangeAreRefusedByName) {
   EXPECT_REFUSED("axis must not be zero", (t.rotate_axis_angle = std::vector<double>{0, 0, 0, 30}));
   EXPECT_REFUSED("sliver_tolerance = 1", (t.sliver_tolerance = 1));
   EXPECT_REFUSED("min_fraction = 1", (t.min_fraction = 1));
+  EXPECT_REFUSED("gap_ends = \"tied\" is not known; choose split or glued", (t.gap_ends = "tied"));
   EXPECT_REFUSED("tolerance = 0", (t.tolerance = 0));
   EXPECT_REFUSED("moment_degree = 5", (t.moment_degree = std::vector<std::int64_t>{5}));
   EXPECT_REFUSED("moment_degree = \"3p\"", (t.moment_degree = "3p"));
@@ -242,6 +243,7 @@ const std::map<std::string, Sample>& samples() {
                                                  {"optimise_offset", {"true", {}}},
                                                  {"sliver_tolerance", {"1e-4", {}}},
                                                  {"min_fraction", {"0.01", {}}},
+                                                 {"gap_ends", {"\"glued\"", {}}},
                                                  {"interior", {"\"gauss\"", {}}},
                                                  {"trimmed", {"\"nnls\"", {}}},
                                                  {"moment_degree", {"\"2p\"", {}}},
@@ -336,6 +338,7 @@ rotation = 0 0 1
 optimise_offset = false
 sliver_tolerance = 2e-05
 min_fraction = 0
+gap_ends = split
 interior = ggq
 trimmed = minimal
 moment_degree = 2 2 2

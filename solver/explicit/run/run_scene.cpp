@@ -93,6 +93,7 @@ void ExplicitScene::add_bodies() {
       to.insert(to.end(), named.begin(), named.end());
     };
     add(findings_, model.provenance.findings);
+    if (const auto note = gap_end_note(model)) add(findings_, {*note});
     add(warnings_, model_warnings(model, &bodies_.back()->small_strain()));
     add(warnings_, bodies_.back()->space().warnings());
     if (const auto warning = joined_bodies_warning(bodies_.back()->space())) add(warnings_, {*warning});
