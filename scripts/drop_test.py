@@ -102,8 +102,8 @@ def run(o):
     above_origin = [-0.5 * (low[0] + high[0]), -0.5 * (low[1] + high[1]), GAP * span - low[2]]
     speed = np.sqrt(2 * GRAVITY * o.height)
     model, settings, results = (o.work / f"{o.stl.stem}{end}" for end in ("_model.h5", "_drop.toml", "_drop.h5"))
-    prep = report([o.bin / "igaprep", o.stl, "-o", model, "--scale", o.scale, "--degree", o.degree, "--span-size", span,
-                   "--quadrature", "ggq-reduced", "--length-unit", "mm", "--force", "--json", "--threads", o.threads])
+    prep = report([o.bin / "igaprep", o.stl, "-o", model, "--scale", o.scale, "--gap-ends", "glued", "--degree",
+                   o.degree, "--span-size", span, "--quadrature", "ggq-reduced", "--length-unit", "mm", "--force", "--json", "--threads", o.threads])
     settings.write_text(RUN.format(o=o, model=model.name, gravity=-GRAVITY, velocity=-speed, axis=numbers(axis),
                                    degrees=f"{degrees:.12g}", shift=numbers(above_origin), interval=o.end / 600,
                                    field_interval=o.end / 30))

@@ -10,6 +10,7 @@ GREY = (0.80, 0.82, 0.85)
 BODIES = [GREY, (0.70, 0.80, 0.90), (0.91, 0.83, 0.66), (0.76, 0.87, 0.72), (0.88, 0.75, 0.82), (0.72, 0.86, 0.85)]
 # Cells of spans that hold several.
 CELLS = [(0.84, 0.26, 0.20), (0.14, 0.40, 0.72), (0.20, 0.60, 0.28), (0.93, 0.65, 0.10), (0.52, 0.28, 0.66), (0.10, 0.62, 0.66)]
+GAP_END = (0.96, 0.90, 0.45)
 MOST_BOXES = 4000  # outlines of split spans; more of them would be one dark stain
 
 
@@ -123,6 +124,12 @@ def draw(arguments, file):
                                colour=colour)
               for k, colour in enumerate(BODIES) if (body % len(BODIES) == k).any()]
     legend = [(BODIES[k], "the part" if bodies == 1 else f"body {k + 1}") for k in range(min(bodies, 3))]
+    whole_ends = np.setdiff1d(model["/cells/span"][model.gap_end_cells()], split)
+    if len(whole_ends):
+        polygons, _ = patches(model, centre + (vertices - centre) @ R, whole_ends)
+        actors.append(drawing.on_top(drawing.actor_of(drawing.triangle_mesh(*fan([in_space(p) for p in polygons])),
+                                                      colour=GAP_END)))
+        legend.append((GAP_END, "whole cell at the end of a gap"))
     if len(split):
         in_grid = centre + (vertices - centre) @ R
         polygons, owners = patches(model, in_grid, split)

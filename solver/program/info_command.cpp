@@ -47,6 +47,8 @@ std::string text_report(const std::filesystem::path& file, const TrimmedModel& m
        "{} touch material, {} of them light (mass fraction below {}), lightest {:.3g}; {} "
        "B-splines with a copy for each side of a gap",
        m.num_unknowns(), s.light_functions, light_below, s.lightest, s.cells.copied_functions);
+  if (s.cells.gap_end_cells > 0)
+    line("gap ends", "{} cells with functions that are continuous, not smooth, across faces", s.cells.gap_end_cells);
   line("surface", "{} triangles, {} vertices, {} quadrature points, area {:.10g}", m.surface.mesh.triangles.size(),
        m.surface.mesh.vertices.size(), s.surface_points, s.area);
   if (m.surface.accepted_leak > 0)
@@ -108,6 +110,7 @@ std::string json_report(const std::filesystem::path& file, const TrimmedModel& m
   volume.add("snapped_spans", q.snapped_spans).add("dropped_spans", q.dropped_spans).add("centroid", s.centroid);
   functions.add("active", m.num_unknowns()).add("light", s.light_functions).add("light_below", light_below);
   functions.add("lightest", s.lightest).add("copied", s.cells.copied_functions);
+  functions.add("gap_end_cells", s.cells.gap_end_cells);
   std::vector<JsonObject> regions;
   for (const auto& r : s.regions)
     regions.push_back(JsonObject().add("name", r.name).add("triangles", r.triangles).add("area", r.area));

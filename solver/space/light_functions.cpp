@@ -104,9 +104,10 @@ class Planner {
     for (const std::int32_t u : unknowns_.of(static_cast<std::size_t>(cell))) visit(std::int64_t{u});
   }
 
-  // Unknowns that cells at gap ends see stay on their own under the linear remedy: continuous functions in cut cells
-  // cost no time step beside those in whole ones (stiffness over mass goes with the depth of the cut to the power p -
-  // 2), and good cells are so far that extrapolation would take more mass from their nodes than these have.
+  // Under the linear remedy unknowns that cells at gap ends see stay on their own unless they are very light:
+  // continuous functions in cut cells cost no time step beside those in whole ones (stiffness over mass goes with the
+  // depth of the cut to the power p - 2), and good cells are so far that extrapolation of all would take more mass from
+  // their nodes than these have. The very light ones follow, since contact and rounding would throw them.
   void find_gap_ends() {
     if (model_.unknowns.empty() || remedy_ != LightFunctions::Linear) return;
     stays_.assign(light_.size(), 0);
@@ -119,7 +120,8 @@ class Planner {
   }
 
   bool is_light(std::size_t unknown, double threshold) const {
-    return model_.unknown_mass_fraction()[unknown] < threshold && (stays_.empty() || stays_[unknown] == 0);
+    const bool stays = !stays_.empty() && stays_[unknown] != 0;
+    return model_.unknown_mass_fraction()[unknown] < (stays ? threshold * threshold : threshold);
   }
 
   void find_neighbours() {

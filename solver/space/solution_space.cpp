@@ -121,13 +121,34 @@ SolutionSpace::SolutionSpace(const TrimmedModel& model, const LightTreatment& tr
     nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
     auto& E = local[a].extension;
     E.setZero(static_cast<Eigen::Index>(functions.size()), static_cast<Eigen::Index>(nodes.size()));
+    const auto place = [&](std::int32_t node) {
+      return std::lower_bound(nodes.begin(), nodes.end(), node) - nodes.begin();
+    };
+    if (is_bernstein(static_cast<std::int64_t>(a))) {
+      // Bernstein coefficients from the unknowns first: there the large factors of the B-splines cancel.
+      std::vector<std::int32_t> unknowns;
+      const auto& offsets = model.unknowns.offsets;
+      for (const std::int32_t f : functions)
+        unknowns.insert(unknowns.end(), model.unknowns.terms.begin() + offsets[static_cast<std::size_t>(f)],
+                        model.unknowns.terms.begin() + offsets[static_cast<std::size_t>(f) + 1]);
+      std::sort(unknowns.begin(), unknowns.end());
+      unknowns.erase(std::unique(unknowns.begin(), unknowns.end()), unknowns.end());
+      Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(E.rows(), static_cast<Eigen::Index>(unknowns.size()));
+      for (std::size_t f = 0; f < functions.size(); ++f)
+        for (auto t = static_cast<std::size_t>(offsets[static_cast<std::size_t>(functions[f])]);
+             t < static_cast<std::size_t>(offsets[static_cast<std::size_t>(functions[f]) + 1]); ++t)
+          rows(static_cast<Eigen::Index>(f),
+               std::lower_bound(unknowns.begin(), unknowns.end(), model.unknowns.terms[t]) - unknowns.begin()) =
+              model.unknowns.weights[t];
+      to_bernstein(model.grid, model.grid.span_index(model.cells.span[a]), rows);
+      for (std::size_t u = 0; u < unknowns.size(); ++u)
+        for (decltype(extension_)::InnerIterator it(unknown_extension_, unknowns[u]); it; ++it)
+          E.col(place(static_cast<std::int32_t>(it.col()))) += it.value() * rows.col(static_cast<Eigen::Index>(u));
+      return;
+    }
     for (std::size_t f = 0; f < functions.size(); ++f)
       for (decltype(extension_)::InnerIterator it(extension_, static_cast<Eigen::Index>(functions[f])); it; ++it)
-        E(static_cast<Eigen::Index>(f),
-          std::lower_bound(nodes.begin(), nodes.end(), static_cast<std::int32_t>(it.col())) - nodes.begin()) =
-            it.value();
-    if (is_bernstein(static_cast<std::int64_t>(a)))
-      to_bernstein(model.grid, model.grid.span_index(model.cells.span[a]), E);
+        E(static_cast<Eigen::Index>(f), place(static_cast<std::int32_t>(it.col()))) = it.value();
   });
 
   offsets_.push_back(0);

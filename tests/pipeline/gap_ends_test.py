@@ -181,6 +181,14 @@ interval = 0.2
         for name in whole:
             self.assertEqual(whole[name].tobytes(), parts[name].tobytes(), name)
 
+    def test_contact_is_refused(self):
+        self.write_flight(1)
+        run = self.path / "contact.toml"
+        run.write_text((self.path / "flight.toml").read_text() + '[[contacts]]\nself = "block"\n')
+        done = subprocess.run([IGASOLVE, "explicit", run, "-o", self.path / "contact.h5"], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertIn("--gap-ends glued", done.stderr)
+
     def test_time_steps(self):
         """Lumped masses: continuous functions have higher frequencies, by how much is in the README."""
         fine, glued = (self.solve("timestep", self.model(2, *options)[0], *MATERIAL, "--mass", "lumped")["dt_crit"]

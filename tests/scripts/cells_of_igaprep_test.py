@@ -35,7 +35,7 @@ class CellsOfIgaprep(unittest.TestCase):
     def model(self, name, boxes, high, spans, degree):
         write_boxes(self.path / f"{name}.stl", boxes)
         touching = ["--repair"] if name in ("fork", "rack") else []  # boxes that share faces become one body
-        subprocess.run([IGAPREP, self.path / f"{name}.stl", "-o", self.path / f"{name}.h5", "--force", "--quiet", *touching,
+        subprocess.run([IGAPREP, self.path / f"{name}.stl", "-o", self.path / f"{name}.h5", "--force", "--quiet", *touching, "--gap-ends", "glued",
                         "--degree", str(degree), "--box", *map(str, (0, 0, 0, *high)), "--spans", *map(str, spans)],
                        check=True, capture_output=True)
         return iga_model.read(self.path / f"{name}.h5")

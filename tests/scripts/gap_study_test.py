@@ -88,7 +88,7 @@ class Copies(unittest.TestCase):
             for degree, size in ((1, 2.2), (2, 1.7), (2, 3.5)):
                 with self.subTest(f"p = {degree}, spans of {size} mm"):
                     subprocess.run([BIN / "igaprep", stl, "-o", path, "--degree", str(degree), "--span-size", str(size),
-                                    "--force", "--quiet"], check=True, capture_output=True)
+                                    "--gap-ends", "glued", "--force", "--quiet"], check=True, capture_output=True)
                     model = iga_model.read(path)
                     self.assertEqual(model.components()[1], 1)
                     self.compare(model, part.prism, degree)

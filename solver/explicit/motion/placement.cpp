@@ -55,6 +55,7 @@ TrimmedModel placed(TrimmedModel model, const Placement& placement) {
                           product(placement.R, grid.rotation()));
   const auto shifted = [&](const Point3& u) { return plus(u, way); };
   each_row(model.points.parameters, shifted);
+  each_row(model.unknowns.parameters, shifted);
   each_row(model.surface.vertex_parameters, shifted);
   each_row(model.surface.quadrature.parameters, shifted);
   each_row(model.surface.quadrature.normals, [&](const Point3& n) { return placement.turned(n); });

@@ -93,7 +93,15 @@ void ExplicitScene::add_bodies() {
       to.insert(to.end(), named.begin(), named.end());
     };
     add(findings_, model.provenance.findings);
-    if (const auto note = gap_end_note(model)) add(findings_, {*note});
+    if (const auto note = gap_end_note(model)) {
+      // Light functions stay on their own there, and a spring may be no stiffer than their masses allow.
+      if (!run_.contacts.empty())
+        throw InputError(fmt::format("{}: contact would be far too soft beside the ends of gaps in {}, where light "
+                                     "functions carry their own small masses; make the model with igaprep --gap-ends "
+                                     "glued for runs with contact",
+                                     body.where, body.model.string()));
+      add(findings_, {*note});
+    }
     add(warnings_, model_warnings(model, &bodies_.back()->small_strain()));
     add(warnings_, bodies_.back()->space().warnings());
     if (const auto warning = joined_bodies_warning(bodies_.back()->space())) add(warnings_, {*warning});
