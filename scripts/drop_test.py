@@ -103,7 +103,8 @@ def run(o):
     speed = np.sqrt(2 * GRAVITY * o.height)
     model, settings, results = (o.work / f"{o.stl.stem}{end}" for end in ("_model.h5", "_drop.toml", "_drop.h5"))
     prep = report([o.bin / "igaprep", o.stl, "-o", model, "--scale", o.scale, "--gap-ends", "glued", "--degree",
-                   o.degree, "--span-size", span, "--quadrature", "ggq-reduced", "--length-unit", "mm", "--force", "--json", "--threads", o.threads])
+                   o.degree, "--span-size", span, "--quadrature", "ggq-reduced", "--length-unit", "mm", "--force",
+                   "--json", "--threads", o.threads])
     settings.write_text(RUN.format(o=o, model=model.name, gravity=-GRAVITY, velocity=-speed, axis=numbers(axis),
                                    degrees=f"{degrees:.12g}", shift=numbers(above_origin), interval=o.end / 600,
                                    field_interval=o.end / 30))
