@@ -1,5 +1,6 @@
 #include "format/model/bspline_basis.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cassert>
 
@@ -83,6 +84,13 @@ void bernstein_blossom_weights(double a, double b, std::span<const double> argum
     }
     weights[i] = c[degree];
   }
+}
+
+void bernstein_weights(const KnotVector& knots, std::int64_t span, int k, std::span<double> weights) {
+  std::array<double, max_degree> ends;
+  ends.fill(knots.lower(span));
+  std::fill_n(ends.begin(), k, knots.upper(span));
+  blossom_weights(knots, span, std::span(ends).first(static_cast<std::size_t>(knots.degree())), weights);
 }
 
 void integrate_basis(const KnotVector& knots, std::int64_t span, std::span<double> integrals) {

@@ -32,6 +32,9 @@ void blossom_weights(const KnotVector& knots, std::int64_t span, std::span<const
                      std::span<double> weights);
 /// The same for a polynomial given by its p + 1 Bernstein coefficients on [a, b]: de Casteljau's algorithm.
 void bernstein_blossom_weights(double a, double b, std::span<const double> arguments, std::span<double> weights);
+/// The k-th of the p + 1 Bernstein coefficients on a span from those of its B-splines: a row of Bézier extraction.
+/// @param[out] weights  (p + 1)
+void bernstein_weights(const KnotVector& knots, std::int64_t span, int k, std::span<double> weights);
 
 /// A spline curve's coefficients on a knot vector of arbitrary multiplicities: the general form that refinement works
 /// on.

@@ -47,6 +47,11 @@ std::int64_t KnotVector::find_span(double u) const {
   return std::clamp<std::int64_t>(it - first - 1, 0, num_spans() - 1);
 }
 
+double KnotVector::integral(std::int64_t function) const {
+  const auto i = static_cast<std::size_t>(function), order = static_cast<std::size_t>(degree_ + 1);
+  return (knots_[i + order] - knots_[i]) / static_cast<double>(order);
+}
+
 double KnotVector::greville(std::int64_t function) const {
   double sum = 0;
   for (int a = 1; a <= degree_; ++a) sum += knots_[static_cast<std::size_t>(function + a)];

@@ -31,6 +31,9 @@ class KnotVector {
   std::int64_t find_span(double u) const;
   /// Mean of the p knots that follow knot i: the coefficient of function i in the identity u = Σ g_i N_i(u).
   double greville(std::int64_t function) const;
+  /// ∫ N over all spans, parameter units: (U[i + p + 1] - U[i]) / (p + 1). Piegl & Tiller (1997), exercise of
+  /// section 2.
+  double integral(std::int64_t function) const;
 
  private:
   int degree_ = 1;

@@ -67,6 +67,11 @@ void check_volume(const TrimmedModel& model, int limit, std::vector<std::string>
 /// cells/functions and links against each other: the right B-splines in the right order, every copy on cells that links
 /// inside its support join, and no link between two copies of one function. False where nothing may index by them.
 bool cells_fit(const TrimmedModel& model, int limit, std::vector<std::string>& problems);
+/// The matrix of the unknowns: entries in range, rows that keep constant and linear fields. False where nothing may
+/// index by it.
+bool unknowns_fit(const TrimmedModel& model, ProblemKind& kind);
+/// Are the unknowns' functions continuous across the face, normal to `axis`, between the cells of a link?
+void check_continuity(const TrimmedModel& model, std::size_t link, std::size_t axis, ProblemKind& kind);
 void check_functions(const TrimmedModel& model, int limit, std::vector<std::string>& problems);
 void check_surface(const TrimmedModel& model, int limit, std::vector<std::string>& problems);
 

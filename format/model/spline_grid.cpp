@@ -80,6 +80,12 @@ Point3 SplineGrid::to_parameter(const Point3& x) const {
   return u;
 }
 
+double SplineGrid::integral(const Index3& ijk) const {
+  double product = 1;
+  for (std::size_t d = 0; d < 3; ++d) product *= knots(static_cast<int>(d)).integral(ijk[d]);
+  return product;
+}
+
 Point3 SplineGrid::control_point(const Index3& ijk) const {
   return to_position({knots_[0].greville(ijk[0]), knots_[1].greville(ijk[1]), knots_[2].greville(ijk[2])});
 }

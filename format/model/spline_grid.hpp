@@ -51,6 +51,8 @@ class SplineGrid {
   }
   /// Control point of function (i, j, k): the position of its Greville parameters.
   Point3 control_point(const Index3& ijk) const;
+  /// ∫ of function (i, j, k) over the whole grid, length³.
+  double integral(const Index3& ijk) const;
 
  private:
   static std::int64_t number(const Index3& i, const Index3& n) { return i[0] + n[0] * (i[1] + n[1] * i[2]); }

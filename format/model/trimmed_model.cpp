@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <ranges>
 
 namespace iga {
 
@@ -123,17 +124,55 @@ bool states_fit(const TrimmedModel& m, int limit, std::vector<std::string>& prob
 
 } // namespace
 
-FunctionCells cells_by_function(const TrimmedModel& model) {
+namespace {
+
+template <class Seen> FunctionCells invert(std::size_t num_functions, std::size_t num_cells, const Seen& seen) {
   FunctionCells out;
-  out.first.assign(model.functions.number.size() + 1, 0);
-  for (const std::int32_t f : model.cells.functions) ++out.first[static_cast<std::size_t>(f) + 1];
+  out.first.assign(num_functions + 1, 0);
+  for (std::size_t c = 0; c < num_cells; ++c)
+    for (const std::int32_t f : seen(c)) ++out.first[static_cast<std::size_t>(f) + 1];
   std::partial_sum(out.first.begin(), out.first.end(), out.first.begin());
-  out.cells.resize(model.cells.functions.size());
+  out.cells.resize(out.first.back());
   std::vector<std::size_t> next(out.first.begin(), out.first.end() - 1);
-  for (std::size_t c = 0; c < model.num_cells(); ++c)
-    for (const std::int32_t f : model.functions_of(c))
-      out.cells[next[static_cast<std::size_t>(f)]++] = static_cast<std::int32_t>(c);
+  for (std::size_t c = 0; c < num_cells; ++c)
+    for (const std::int32_t f : seen(c)) out.cells[next[static_cast<std::size_t>(f)]++] = static_cast<std::int32_t>(c);
   return out;
+}
+
+} // namespace
+
+FunctionCells cells_by_function(const TrimmedModel& model) {
+  return invert(model.functions.number.size(), model.num_cells(), [&](std::size_t c) { return model.functions_of(c); });
+}
+
+CellUnknowns::CellUnknowns(const TrimmedModel& model) : model_(&model) {
+  if (model.unknowns.empty()) return;
+  first_.push_back(0);
+  for (std::size_t c = 0; c < model.num_cells(); ++c) {
+    const auto begin = static_cast<std::ptrdiff_t>(unknowns_.size());
+    for (const std::int32_t f : model.functions_of(c))
+      model.for_terms(f, [&](std::int32_t unknown, double) { unknowns_.push_back(unknown); });
+    std::sort(unknowns_.begin() + begin, unknowns_.end());
+    unknowns_.erase(std::unique(unknowns_.begin() + begin, unknowns_.end()), unknowns_.end());
+    first_.push_back(unknowns_.size());
+  }
+}
+
+FunctionCells CellUnknowns::by_unknown() const {
+  return invert(model_->num_unknowns(), model_->num_cells(), [&](std::size_t c) { return of(c); });
+}
+
+std::size_t CellLinks::first_from(std::pair<std::int32_t, std::int32_t> pair) const {
+  const auto all = std::views::iota(std::size_t{0}, size());
+  return static_cast<std::size_t>(std::ranges::lower_bound(all, pair, {}, [&](std::size_t l) { return (*this)[l]; }) -
+                                  all.begin());
+}
+
+std::vector<std::int32_t> connected_parts(const TrimmedModel& model) {
+  std::vector<std::int32_t> sets = lone_sets(model.num_cells());
+  for (std::size_t l = 0; l < model.links.size(); ++l) join_sets(sets, model.links[l].first, model.links[l].second);
+  for (std::size_t c = 0; c < sets.size(); ++c) sets[c] = find_root(sets, static_cast<std::int32_t>(c));
+  return sets;
 }
 
 bool TrimmedModel::is_at_gap_end(std::size_t cell) const {
@@ -165,10 +204,7 @@ CellCounts count_cells(const TrimmedModel& model) {
   for (std::size_t f = 0; f < own.size(); ++f)
     if (!own[f]) shared.push_back(model.functions.number[f]);
   counts.copied_functions = repeated(shared);
-  std::vector<std::int32_t> sets = lone_sets(model.num_cells());
-  for (std::size_t l = 0; l + 1 < model.links.cells.size(); l += 2)
-    join_sets(sets, model.links.cells[l], model.links.cells[l + 1]);
-  counts.components = count_sets(sets);
+  counts.components = count_sets(connected_parts(model));
   return counts;
 }
 

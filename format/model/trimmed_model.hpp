@@ -47,6 +47,12 @@ struct Unknowns {
 /// Cells of face-neighbouring spans that share solid area on the common face.
 struct CellLinks {
   std::vector<std::int32_t> cells; ///< (n_links × 2); lower cell number first, sorted
+  std::size_t size() const { return cells.size() / 2; }
+  std::pair<std::int32_t, std::int32_t> operator[](std::size_t link) const {
+    return {cells[2 * link], cells[2 * link + 1]};
+  }
+  /// First link that does not come before the pair.
+  std::size_t first_from(std::pair<std::int32_t, std::int32_t> pair) const;
 };
 
 /// Quadrature points of all cells, stored as parallel arrays.
@@ -135,6 +141,18 @@ struct TrimmedModel {
   }
   /// First and last + 1 of the cells of a span; equal where it holds none.
   std::pair<std::size_t, std::size_t> cells_of(std::int64_t span) const;
+  /// Function that an unknown is the coefficient of, -1 for Bernstein functions.
+  std::int64_t function_of(std::size_t unknown) const {
+    return unknowns.empty() ? static_cast<std::int64_t>(unknown) : std::int64_t{unknowns.function[unknown]};
+  }
+  /// visit(unknown, factor) for the terms of a function's coefficient.
+  template <class Visit> void for_terms(std::int32_t function, Visit&& visit) const {
+    if (unknowns.empty()) return visit(function, 1.0);
+    const auto f = static_cast<std::size_t>(function);
+    for (auto t = static_cast<std::size_t>(unknowns.offsets[f]); t < static_cast<std::size_t>(unknowns.offsets[f + 1]);
+         ++t)
+      visit(unknowns.terms[t], unknowns.weights[t]);
+  }
   std::size_t num_unknowns() const { return unknowns.empty() ? functions.number.size() : unknowns.function.size(); }
   /// Share of its support that each unknown finds filled with material: (n_u).
   const std::vector<double>& unknown_mass_fraction() const {
@@ -149,7 +167,7 @@ struct TrimmedModel {
   }
 };
 
-/// The cells that see each function.
+/// The cells that see each function, or each unknown.
 struct FunctionCells {
   std::vector<std::size_t> first;  ///< (n_f + 1)
   std::vector<std::int32_t> cells; ///< those of function f: [first[f], first[f + 1]), ascending
@@ -160,6 +178,26 @@ struct FunctionCells {
 };
 /// @pre cells.functions holds entries into functions only
 FunctionCells cells_by_function(const TrimmedModel& model);
+
+/// The unknowns that cells see: their functions where no gap ends, else what the coefficients of these follow from,
+/// ascending.
+class CellUnknowns {
+ public:
+  explicit CellUnknowns(const TrimmedModel& model);
+  std::span<const std::int32_t> of(std::size_t cell) const {
+    if (first_.empty()) return model_->functions_of(cell);
+    return std::span(unknowns_).subspan(first_[cell], first_[cell + 1] - first_[cell]);
+  }
+  FunctionCells by_unknown() const;
+
+ private:
+  const TrimmedModel* model_;
+  std::vector<std::size_t> first_; // (num_cells + 1); empty where no gap ends
+  std::vector<std::int32_t> unknowns_;
+};
+
+/// Connected part of each cell under the links: the lowest cell of the part; (num_cells).
+std::vector<std::int32_t> connected_parts(const TrimmedModel& model);
 
 struct CellCounts {
   std::int64_t split_spans = 0;      ///< spans with several cells

@@ -185,7 +185,7 @@ CellTable split_into_cells(const SplineGrid& grid, const TrimOptions& options, T
     }
     Splitter(graph, cells, trimming).run();
   }
-  if (!out.unknowns.function.empty()) {
+  if (!out.unknowns.rows.empty()) {
     trimming.gap_end.assign(trimming.active.size(), 0);
     for (std::size_t q = 0; q < own.size(); ++q)
       if (own[q]) trimming.gap_end[static_cast<std::size_t>(cells.of_piece[q])] = 1;

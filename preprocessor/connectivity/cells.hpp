@@ -11,7 +11,7 @@ struct CellTable {
   std::vector<std::int64_t> function; ///< (n_f); see FunctionCopies::number
   /// (num_cells × (p_u + 1)(p_v + 1)(p_w + 1)), u fastest: entries into `function`.
   std::vector<std::int32_t> functions;
-  GapEndUnknowns unknowns; ///< empty where every function is an unknown
+  GapEndUnknowns unknowns;
   std::int64_t pieces = 0; ///< before those that see the same functions were taken together; what else there is to
                            ///< count, count_cells tells of the model
   std::int64_t unclear_spans = 0; ///< see PieceGraph

@@ -121,10 +121,12 @@ std::size_t local_size(const SplineGrid& grid) {
   return static_cast<std::size_t>((p[0] + 1) * (p[1] + 1) * (p[2] + 1));
 }
 
-/// Two pieces about one vertex with a gap between them, and whether it is more than one span deep.
+/// Two pieces about one vertex with a gap between them, whether it is more than one span deep, and the functions that
+/// both see.
 struct GluedPair {
   std::int32_t a, b;
   bool deep;
+  std::vector<std::int32_t> shared;
   friend bool operator<(const GluedPair& x, const GluedPair& y) { return std::pair(x.a, x.b) < std::pair(y.a, y.b); }
   friend bool operator==(const GluedPair& x, const GluedPair& y) { return x.a == y.a && x.b == y.b; }
 };
@@ -161,11 +163,12 @@ std::vector<GluedPair> find_glued_pairs(const SplineGrid& grid, const Neighbourh
           for (std::size_t y = x + 1; y < pieces.size(); ++y) {
             if (component[x] == component[y]) continue;
             const std::int32_t a = std::min(pieces[x], pieces[y]), b = std::max(pieces[x], pieces[y]);
-            if (shared_functions(copies, local, a, b).empty()) continue;
+            std::vector<std::int32_t> shared = shared_functions(copies, local, a, b);
+            if (shared.empty()) continue;
             const Index3 s = near.span(a), t = near.span(b);
             std::int64_t across = 0;
             for (std::size_t d = 0; d < 3; ++d) across += std::abs(s[d] - t[d]);
-            pairs.push_back({a, b, !near.within_steps(a, b, across + 2)});
+            pairs.push_back({a, b, !near.within_steps(a, b, across + 2), std::move(shared)});
           }
       }
   });
@@ -188,18 +191,14 @@ std::vector<std::uint8_t> find_gap_ends(const SplineGrid& grid, const std::vecto
   const std::size_t local = local_size(grid);
   std::vector<std::int32_t> glued;
   for (const GluedPair& pair : pairs)
-    if (pair.deep) {
-      const auto both = shared_functions(copies, local, pair.a, pair.b);
-      glued.insert(glued.end(), both.begin(), both.end());
-    }
+    if (pair.deep) glued.insert(glued.end(), pair.shared.begin(), pair.shared.end());
   std::sort(glued.begin(), glued.end());
   glued.erase(std::unique(glued.begin(), glued.end()), glued.end());
   if (glued.empty()) return own;
   const auto is_glued = [&](std::int32_t f) { return std::binary_search(glued.begin(), glued.end(), f); };
   std::vector<std::int32_t> beside;
   for (const GluedPair& pair : pairs) {
-    const auto both = shared_functions(copies, local, pair.a, pair.b);
-    if (std::none_of(both.begin(), both.end(), is_glued)) continue;
+    if (std::none_of(pair.shared.begin(), pair.shared.end(), is_glued)) continue;
     for (const std::int32_t piece : {pair.a, pair.b}) {
       if (!own[static_cast<std::size_t>(piece)]) beside.push_back(piece);
       own[static_cast<std::size_t>(piece)] = 1;
@@ -225,14 +224,11 @@ struct Extraction {
     const auto p = static_cast<std::size_t>(knots.degree());
     to_bernstein.resize((p + 1) * (p + 1));
     to_splines.resize((p + 1) * (p + 1));
-    const double a = knots.lower(span), b = knots.upper(span);
-    std::vector<double> arguments(p);
     for (std::size_t k = 0; k <= p; ++k) {
-      std::fill(arguments.begin(), arguments.end(), a);
-      std::fill_n(arguments.begin(), k, b);
-      blossom_weights(knots, span, arguments, std::span(to_bernstein).subspan(k * (p + 1), p + 1));
-      for (std::size_t l = 0; l < p; ++l) arguments[l] = knots.values()[static_cast<std::size_t>(span) + k + 1 + l];
-      bernstein_blossom_weights(a, b, arguments, std::span(to_splines).subspan(k * (p + 1), p + 1));
+      bernstein_weights(knots, span, static_cast<int>(k), std::span(to_bernstein).subspan(k * (p + 1), p + 1));
+      const auto inner = knots.values().subspan(static_cast<std::size_t>(span) + k + 1, p);
+      bernstein_blossom_weights(knots.lower(span), knots.upper(span), inner,
+                                std::span(to_splines).subspan(k * (p + 1), p + 1));
     }
   }
 };
@@ -269,18 +265,26 @@ class Separator {
     std::int32_t unknown = -1, follows = -1;
   };
 
+  Unknowns& rows() { return out_.rows; }
   std::int64_t lattice_extent(std::size_t d) const {
     return grid_.spans()[d] * static_cast<std::int64_t>(width_[d] - 1) + 1;
   }
-  Index3 lattice_index(const Index3& span, std::size_t entry) const {
-    const std::size_t k[3] = {entry % width_[0], entry / width_[0] % width_[1], entry / (width_[0] * width_[1])};
-    Index3 index;
-    for (std::size_t d = 0; d < 3; ++d)
-      index[d] = span[d] * static_cast<std::int64_t>(width_[d] - 1) + static_cast<std::int64_t>(k[d]);
-    return index;
+  std::array<std::size_t, 3> of_entry(std::size_t e) const {
+    return {e % width_[0], e / width_[0] % width_[1], e / (width_[0] * width_[1])};
   }
   std::int64_t lattice_number(const Index3& i) const {
     return i[0] + lattice_extent(0) * (i[1] + lattice_extent(1) * i[2]);
+  }
+  Index3 lattice_index(std::int64_t number) const {
+    const std::int64_t n_u = lattice_extent(0), n_v = lattice_extent(1);
+    return {number % n_u, number / n_u % n_v, number / (n_u * n_v)};
+  }
+  std::int64_t lattice_of(const Index3& span, std::size_t entry) const {
+    const auto k = of_entry(entry);
+    Index3 index;
+    for (std::size_t d = 0; d < 3; ++d)
+      index[d] = span[d] * static_cast<std::int64_t>(width_[d] - 1) + static_cast<std::int64_t>(k[d]);
+    return lattice_number(index);
   }
   std::int32_t function(std::int32_t piece, std::size_t entry) const {
     return copies_.of_piece[static_cast<std::size_t>(piece) * local_ + entry];
@@ -309,9 +313,9 @@ class Separator {
     const Index3 span = near_.span(piece);
     std::vector<std::int32_t> star, component, copy;
     for (std::size_t e = 0; e < local_; ++e) {
-      const Index3 index = lattice_index(span, e);
-      const std::int64_t lattice = lattice_number(index);
+      const std::int64_t lattice = lattice_of(span, e);
       if (bernstein_of_.count({lattice, piece})) continue;
+      const Index3 index = lattice_index(lattice);
       Index3 first, last;
       for (std::size_t d = 0; d < 3; ++d) {
         const auto p = static_cast<std::int64_t>(width_[d] - 1);
@@ -348,22 +352,20 @@ class Separator {
       throw InputError("the model has more unknowns than 2^31; choose larger spans");
     for (std::size_t k = 0; k < order.size(); ++k)
       bernstein_[order[k]].unknown = static_cast<std::int32_t>(smooth_.size() + k);
-    out_.function.assign(smooth_.begin(), smooth_.end());
-    out_.function.resize(smooth_.size() + order.size(), -1);
+    rows().function.assign(smooth_.begin(), smooth_.end());
+    rows().function.resize(smooth_.size() + order.size(), -1);
     for (const std::int32_t f : smooth_) {
       const Index3 i = grid_.function_index(copies_.number[static_cast<std::size_t>(f)]);
-      for (std::size_t d = 0; d < 3; ++d) out_.parameters.push_back(grid_.knots(static_cast<int>(d)).greville(i[d]));
+      for (std::size_t d = 0; d < 3; ++d) rows().parameters.push_back(grid_.knots(static_cast<int>(d)).greville(i[d]));
     }
     for (const std::size_t b : order) {
-      std::int64_t rest = bernstein_[b].lattice;
+      const Index3 index = lattice_index(bernstein_[b].lattice);
       for (std::size_t d = 0; d < 3; ++d) {
-        const std::int64_t index = rest % lattice_extent(d);
-        rest /= lattice_extent(d);
         const auto p = static_cast<std::int64_t>(width_[d] - 1);
-        const std::int64_t span = std::min(index / p, grid_.spans()[d] - 1);
+        const std::int64_t span = std::min(index[d] / p, grid_.spans()[d] - 1);
         const KnotVector& knots = grid_.knots(static_cast<int>(d));
-        const double t = static_cast<double>(index - span * p) / static_cast<double>(p);
-        out_.parameters.push_back((1 - t) * knots.lower(span) + t * knots.upper(span));
+        const double t = static_cast<double>(index[d] - span * p) / static_cast<double>(p);
+        rows().parameters.push_back((1 - t) * knots.lower(span) + t * knots.upper(span));
       }
     }
   }
@@ -372,18 +374,16 @@ class Separator {
   Row bernstein_row(const Bernstein& b) {
     if (b.follows < 0) return {{b.unknown, 1.0}};
     const Index3 span = near_.span(b.follows);
+    const Index3 index = lattice_index(b.lattice);
     const double* factors[3];
-    std::int64_t rest = b.lattice;
     for (std::size_t d = 0; d < 3; ++d) {
-      const std::int64_t index = rest % lattice_extent(d);
-      rest /= lattice_extent(d);
-      const auto k = static_cast<std::size_t>(index - span[d] * static_cast<std::int64_t>(width_[d] - 1));
+      const auto k = static_cast<std::size_t>(index[d] - span[d] * static_cast<std::int64_t>(width_[d] - 1));
       factors[d] = extraction(d, span[d]).to_bernstein.data() + k * width_[d];
     }
     Row row;
     for (std::size_t e = 0; e < local_; ++e) {
-      const double factor =
-          factors[0][e % width_[0]] * factors[1][e / width_[0] % width_[1]] * factors[2][e / (width_[0] * width_[1])];
+      const auto k = of_entry(e);
+      const double factor = factors[0][k[0]] * factors[1][k[1]] * factors[2][k[2]];
       if (std::abs(factor) > no_factor) row[unknown_of_[static_cast<std::size_t>(function(b.follows, e))]] += factor;
     }
     return row;
@@ -394,14 +394,14 @@ class Separator {
     const Index3 span = near_.span(piece);
     std::vector<Row> bernstein(local_), rows(local_);
     for (std::size_t e = 0; e < local_; ++e)
-      bernstein[e] = bernstein_row(
-          bernstein_[static_cast<std::size_t>(bernstein_of_.at({lattice_number(lattice_index(span, e)), piece}))]);
+      bernstein[e] =
+          bernstein_row(bernstein_[static_cast<std::size_t>(bernstein_of_.at({lattice_of(span, e), piece}))]);
     const Matrix* back[3];
     for (std::size_t d = 0; d < 3; ++d) back[d] = &extraction(d, span[d]).to_splines;
     for (std::size_t f = 0; f < local_; ++f) {
-      const std::size_t i[3] = {f % width_[0], f / width_[0] % width_[1], f / (width_[0] * width_[1])};
+      const auto i = of_entry(f);
       for (std::size_t e = 0; e < local_; ++e) {
-        const std::size_t k[3] = {e % width_[0], e / width_[0] % width_[1], e / (width_[0] * width_[1])};
+        const auto k = of_entry(e);
         double factor = 1;
         for (std::size_t d = 0; d < 3; ++d) factor *= (*back[d])[i[d] * width_[d] + k[d]];
         if (std::abs(factor) <= no_factor) continue;
@@ -415,56 +415,39 @@ class Separator {
   // ∫ of each unknown's function over all spans of its support: of a B-spline over those where it is one, and what
   // follows from it in the chosen pieces. Pieces of one span count once, by the most that one of them sees.
   void measure() {
-    out_.full.assign(out_.function.size(), 0);
-    std::vector<double> integrals[3];
-    const auto integral = [&](const Index3& span, std::size_t e) {
-      const std::size_t k[3] = {e % width_[0], e / width_[0] % width_[1], e / (width_[0] * width_[1])};
+    out_.full.assign(rows().function.size(), 0);
+    for (std::size_t u = 0; u < smooth_.size(); ++u)
+      out_.full[u] = grid_.integral(grid_.function_index(copies_.number[static_cast<std::size_t>(smooth_[u])]));
+    const Point3 h = grid_.span_size();
+    for (const Bernstein& b : bernstein_) {
+      if (b.unknown < 0) continue;
+      const Index3 index = lattice_index(b.lattice);
       double product = 1;
       for (std::size_t d = 0; d < 3; ++d) {
-        integrals[d].resize(width_[d]);
-        integrate_basis(grid_.knots(static_cast<int>(d)), span[d], integrals[d]);
-        product *= integrals[d][k[d]];
-      }
-      return product;
-    };
-    for (std::size_t u = 0; u < smooth_.size(); ++u) {
-      const Index3 i = grid_.function_index(copies_.number[static_cast<std::size_t>(smooth_[u])]);
-      double product = 1;
-      for (std::size_t d = 0; d < 3; ++d) {
-        const auto U = grid_.knots(static_cast<int>(d)).values();
-        const auto first = static_cast<std::size_t>(i[d]);
-        product *= (U[first + width_[d]] - U[first]) / static_cast<double>(width_[d]);
-      }
-      out_.full[u] = product;
-    }
-    for (std::size_t b = 0; b < bernstein_.size(); ++b) {
-      if (bernstein_[b].unknown < 0) continue;
-      const Point3 h = grid_.span_size();
-      double product = 1;
-      std::int64_t rest = bernstein_[b].lattice;
-      for (std::size_t d = 0; d < 3; ++d) {
-        const std::int64_t index = rest % lattice_extent(d);
-        rest /= lattice_extent(d);
-        const bool shared =
-            index % static_cast<std::int64_t>(width_[d] - 1) == 0 && index != 0 && index != lattice_extent(d) - 1;
+        const bool shared = index[d] % static_cast<std::int64_t>(width_[d] - 1) == 0 && index[d] != 0 &&
+                            index[d] != lattice_extent(d) - 1;
         product *= (shared ? 2 : 1) * h[d] / static_cast<double>(width_[d]);
       }
-      out_.full[static_cast<std::size_t>(bernstein_[b].unknown)] = product;
+      out_.full[static_cast<std::size_t>(b.unknown)] = product;
     }
     std::map<std::pair<std::int64_t, std::int32_t>, std::pair<double, double>> by_span; // span, unknown: less, more
     std::size_t place = 0;
     for (std::size_t q = 0; q < own_.size(); ++q) {
       if (!own_[q]) continue;
-      const auto& rows = rows_[place++];
+      const auto& own_rows = rows_[place++];
       const Index3 span = near_.span(static_cast<std::int32_t>(q));
       const std::int64_t number = grid_.span_number(span);
       std::map<std::int32_t, double> more;
+      std::array<std::array<double, max_degree + 1>, 3> integrals;
+      for (std::size_t d = 0; d < 3; ++d)
+        integrate_basis(grid_.knots(static_cast<int>(d)), span[d], std::span(integrals[d]).first(width_[d]));
       for (std::size_t e = 0; e < local_; ++e) {
-        const double whole = integral(span, e);
+        const auto k = of_entry(e);
+        const double whole = integrals[0][k[0]] * integrals[1][k[1]] * integrals[2][k[2]];
         const std::int32_t smooth = unknown_of_[static_cast<std::size_t>(function(static_cast<std::int32_t>(q), e))];
         if (smooth >= 0 && !seen_by_others(span, smooth_[static_cast<std::size_t>(smooth)]))
           by_span[{number, smooth}].first = whole;
-        for (const auto& [unknown, factor] : rows[e])
+        for (const auto& [unknown, factor] : own_rows[e])
           if (static_cast<std::size_t>(unknown) < smooth_.size()) more[unknown] += factor * whole;
       }
       for (const auto& [unknown, value] : more) {
@@ -508,25 +491,25 @@ class Separator {
     std::vector<std::int32_t> new_smooth(copies_.number.size(), -1);
     std::vector<std::int32_t> new_own(chosen.size() * local_);
     std::vector<std::int64_t> number;
-    out_.offsets.push_back(0);
+    rows().offsets.push_back(0);
     for (std::size_t k = 0; k < entries.size(); ++k) {
       const Entry& entry = entries[k];
       number.push_back(entry.number);
       if (entry.smooth >= 0) {
         new_smooth[static_cast<std::size_t>(entry.smooth)] = static_cast<std::int32_t>(k);
-        out_.terms.push_back(unknown_of_[static_cast<std::size_t>(entry.smooth)]);
-        out_.weights.push_back(1);
+        rows().terms.push_back(unknown_of_[static_cast<std::size_t>(entry.smooth)]);
+        rows().weights.push_back(1);
       } else {
         new_own[entry.place * local_ + entry.e] = static_cast<std::int32_t>(k);
         for (const auto& [unknown, factor] : rows_[entry.place][entry.e]) {
-          out_.terms.push_back(unknown);
-          out_.weights.push_back(factor);
+          rows().terms.push_back(unknown);
+          rows().weights.push_back(factor);
         }
       }
-      out_.offsets.push_back(static_cast<std::int64_t>(out_.terms.size()));
+      rows().offsets.push_back(static_cast<std::int64_t>(rows().terms.size()));
     }
     for (std::size_t u = 0; u < smooth_.size(); ++u)
-      out_.function[u] = new_smooth[static_cast<std::size_t>(smooth_[u])];
+      rows().function[u] = new_smooth[static_cast<std::size_t>(smooth_[u])];
     for (std::size_t q = 0; q < own_.size(); ++q)
       for (std::size_t e = 0; !own_[q] && e < local_; ++e) {
         auto& f = copies_.of_piece[q * local_ + e];

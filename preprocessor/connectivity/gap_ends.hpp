@@ -2,18 +2,14 @@
 // move on their own up to its last span.
 #pragma once
 
+#include "format/model/trimmed_model.hpp"
 #include "preprocessor/connectivity/function_copies.hpp"
 
 namespace iga::prep {
 
-/// Coefficients of functions from unknowns; empty where no gap ends. See Unknowns of the model, whose arrays these are
-/// but for the mass fractions.
+/// Coefficients of functions from unknowns.
 struct GapEndUnknowns {
-  std::vector<std::int64_t> offsets;
-  std::vector<std::int32_t> terms;
-  std::vector<double> weights;
-  std::vector<std::int32_t> function;
-  std::vector<double> parameters;
+  Unknowns rows;            ///< without mass fractions, which need points; empty where no gap ends
   std::vector<double> full; ///< (n_u); ∫ of each unknown's function over all spans of its support, parameter³
 };
 

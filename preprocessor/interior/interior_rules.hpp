@@ -41,9 +41,10 @@ class InteriorRules {
   Place place_of(std::size_t active) const;
 
   Index3 spans_;
-  const std::vector<std::int64_t>& active_;
+  const Trimming& trimming_;
   std::vector<SpanBox> boxes_;
-  std::vector<Rules> rules_;                // one a box and Gauss points; or a single one for all spans
+  Rules gauss_;                             // of spans with functions of their own
+  std::vector<Rules> rules_;                // one a box, or a single one for all spans
   std::vector<std::int32_t> box_of_active_; // (num_active); empty without boxes, -1 for trimmed spans and at gap ends
 };
 

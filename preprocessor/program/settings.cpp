@@ -200,10 +200,10 @@ Settings validate(const TypedSettings& typed) {
   s.trim.min_fraction = typed.min_fraction.value_or(s.trim.min_fraction);
   require(s.trim.min_fraction >= 0 && s.trim.min_fraction < 1, "min_fraction", s.trim.min_fraction,
           "it is a volume fraction from 0 to below 1");
-  if (const std::string ends = typed.gap_ends.value_or("split"); ends != "split" && ends != "glued")
-    throw InputError(fmt::format("gap_ends = \"{}\" is not known; choose split or glued", ends));
-  else
-    s.trim.split_gap_ends = ends == "split";
+  const std::string gap_ends = typed.gap_ends.value_or("split");
+  s.trim.split_gap_ends = gap_ends == "split";
+  if (gap_ends != "split" && gap_ends != "glued")
+    throw InputError(fmt::format("gap_ends = \"{}\" is not known; choose split or glued", gap_ends));
   s.quadrature = quadrature_options(typed, s.grid.degree);
   return s;
 }

@@ -181,22 +181,16 @@ namespace {
 // Mass fractions of the unknowns, from those of the functions: (n_u).
 std::vector<double> unknown_mass_fractions(const SplineGrid& grid, const CellTable& cells,
                                            const std::vector<double>& mass_fraction) {
-  const GapEndUnknowns& u = cells.unknowns;
+  const Unknowns& u = cells.unknowns.rows;
   std::vector<double> mass(u.function.size(), 0);
   for (std::size_t f = 0; f + 1 < u.offsets.size(); ++f) {
-    const Index3 ijk = grid.function_index(cells.function[f]);
-    double whole = 1; // ∫ N over the grid: Piegl & Tiller (1997), exercise of section 2
-    for (std::size_t d = 0; d < 3; ++d) {
-      const KnotVector& knots = grid.knots(static_cast<int>(d));
-      const auto i = static_cast<std::size_t>(ijk[d]), order = static_cast<std::size_t>(knots.degree()) + 1;
-      whole *= (knots.values()[i + order] - knots.values()[i]) / static_cast<double>(order);
-    }
+    const double own = mass_fraction[f] * grid.integral(grid.function_index(cells.function[f]));
     for (auto t = static_cast<std::size_t>(u.offsets[f]); t < static_cast<std::size_t>(u.offsets[f + 1]); ++t)
-      mass[static_cast<std::size_t>(u.terms[t])] += u.weights[t] * mass_fraction[f] * whole;
+      mass[static_cast<std::size_t>(u.terms[t])] += u.weights[t] * own;
   }
   // Inexact rules and differences of large factors may leave nothing of a tiny share.
   constexpr double least = 1e-15;
-  for (std::size_t k = 0; k < mass.size(); ++k) mass[k] = std::clamp(mass[k] / u.full[k], least, 1.0);
+  for (std::size_t k = 0; k < mass.size(); ++k) mass[k] = std::clamp(mass[k] / cells.unknowns.full[k], least, 1.0);
   return mass;
 }
 
@@ -210,14 +204,12 @@ void place_cells(Trimming&& trimming, CellTable&& cells, TrimmedModel& model) {
   model.cells.span = std::move(trimming.active);
   model.cells.volume_fraction = std::move(trimming.fraction);
   model.cells.functions = std::move(cells.functions);
+  std::vector<double> fractions;
   if (!model.functions.mass_fraction.empty())
-    model.unknowns.mass_fraction = unknown_mass_fractions(model.grid, cells, model.functions.mass_fraction);
+    fractions = unknown_mass_fractions(model.grid, cells, model.functions.mass_fraction);
   model.functions.number = std::move(cells.function);
-  model.unknowns.offsets = std::move(cells.unknowns.offsets);
-  model.unknowns.terms = std::move(cells.unknowns.terms);
-  model.unknowns.weights = std::move(cells.unknowns.weights);
-  model.unknowns.function = std::move(cells.unknowns.function);
-  model.unknowns.parameters = std::move(cells.unknowns.parameters);
+  model.unknowns = std::move(cells.unknowns.rows);
+  model.unknowns.mass_fraction = std::move(fractions);
   model.links.cells.reserve(2 * trimming.links.size());
   for (const PieceLink& link : trimming.links) {
     model.links.cells.push_back(link.low);

@@ -39,7 +39,7 @@ class Rigidity {
     std::iota(group_.begin(), group_.end(), 0);
     find_neighbours(grid);
     for (std::size_t a = 0; a < rigid_.size(); ++a)
-      if (is_interior(trimming, a) || is_at_gap_end(trimming, a)) make_rigid(a);
+      if (is_interior(trimming, a) || trimming.is_at_gap_end(a)) make_rigid(a);
   }
 
   bool is_rigid(std::size_t a) const { return rigid_[a] != 0; }
@@ -56,7 +56,7 @@ class Rigidity {
       for_neighbours(a, face, [&](std::size_t n) {
         if (is_rigid(n))
           join_sets(group_, static_cast<std::int32_t>(a), static_cast<std::int32_t>(n));
-        else if (!is_interior(trimming_, n) && !is_at_gap_end(trimming_, n))
+        else if (!is_interior(trimming_, n)) // take_beside leaves out what has become rigid
           beside_.push_back(n);
       });
     }
@@ -83,7 +83,7 @@ class Rigidity {
       const int way = face % 2 == 0 ? -1 : 1;
       for_neighbours(a, face, [&](std::size_t n) {
         // Across the face of a cell with functions of its own, values are continuous but slopes are not.
-        if (!is_rigid(n) || is_at_gap_end(trimming_, n)) return;
+        if (!is_rigid(n) || trimming_.is_at_gap_end(n)) return;
         Hold& hold = by_group[find_root(group_, static_cast<std::int32_t>(n))];
         int& side = hold.faces[face / 2];
         if (side == way) return; // another cell beyond the same face

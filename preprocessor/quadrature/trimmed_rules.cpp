@@ -39,10 +39,6 @@ template <class Visit> void for_trimmed(const Trimming& trimming, std::size_t b,
 
 } // namespace
 
-bool is_at_gap_end(const Trimming& trimming, std::size_t active) {
-  return !trimming.gap_end.empty() && trimming.gap_end[active] != 0;
-}
-
 bool is_interior(const Trimming& trimming, std::size_t active) {
   return trimming.state[static_cast<std::size_t>(trimming.active[active])] ==
          static_cast<std::uint8_t>(SpanState::Interior);
@@ -67,7 +63,7 @@ TrimmedRules::TrimmedRules(const SplineGrid& grid, const Trimming& trimming, con
   tbb::parallel_for(std::size_t{0}, blocks_.size(), [&](std::size_t b) {
     if (options.cancelled && options.cancelled()) throw Cancelled{};
     for_trimmed(trimming, b, [&](std::size_t a) {
-      const bool own = is_at_gap_end(trimming, a);
+      const bool own = trimming.is_at_gap_end(a);
       MomentFitter& fitter = own ? own_fitters.local() : fitters.local();
       const SpanRule& rule = fitter.fit(touched(trimming, a));
       append(blocks_[b], own ? resisting_rule(fitter.part(), rule, grid.degree()) : rule);
@@ -138,7 +134,7 @@ void TrimmedRules::reduce(const QuadratureOptions& options) {
       SpanRule rule = extract(fitted, span, first);
       first += rule.weights.size();
       ++span;
-      if (!is_at_gap_end(*trimming_, a)) {
+      if (!trimming_->is_at_gap_end(a)) {
         if (options.cancelled && options.cancelled())
           ++kept;
         else

@@ -59,7 +59,5 @@ class TrimmedRules {
 struct Cancelled {};
 
 bool is_interior(const Trimming& trimming, std::size_t active);
-/// Has a cell functions of its own?
-bool is_at_gap_end(const Trimming& trimming, std::size_t active);
 
 } // namespace iga::prep

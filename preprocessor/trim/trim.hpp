@@ -50,6 +50,8 @@ struct Trimming {
   /// Ascending: polygons of pieces that count for nothing (slivers, or below the smallest fraction) in spans of one
   /// cell: they lie beside its own, and need not be joined with it. Empty before spans are split into cells.
   std::vector<std::int64_t> left_out_polygons;
+  /// Has a cell functions of its own?
+  bool is_at_gap_end(std::size_t cell) const { return !gap_end.empty() && gap_end[cell] != 0; }
   double exact_volume = 0;        ///< Σ fractions · span volume before snapping and dropping, length³
   double snapped_volume = 0;      ///< added by snapping to INTERIOR less removed by snapping to EXTERIOR, length³
   double dropped_volume = 0;      ///< length³

@@ -119,11 +119,10 @@ class Model:
             raise FormatError(f"/unknowns/terms: names unknowns {terms.min()} ... {terms.max()} of {n}")
         rows = self.coefficients_from_unknowns()
         size = abs(rows) @ np.ones(n)
-        ijk = self.split_numbers(self["/functions/number"], self.functions)
+        greville = self.greville_points(self.split_numbers(self["/functions/number"], self.functions))
         for d in range(3):
-            greville = sum(self.knots[d][ijk[:, d] + a] for a in range(1, self.degree[d] + 1)) / self.degree[d]
             scale = size * max(abs(self.knots[d][0]), abs(self.knots[d][-1]), self.knots[d][-1] - self.knots[d][0])
-            wrong = abs(rows @ self["/unknowns/parameters"][:, d] - greville) > 1e-12 * scale
+            wrong = abs(rows @ self["/unknowns/parameters"][:, d] - greville[:, d]) > 1e-12 * scale
             wrong |= abs(rows @ np.ones(n) - 1) > 1e-12 * size
             if wrong.any():
                 raise FormatError(f"/unknowns: the factors of function {np.argmax(wrong)} do not keep linear fields")
@@ -189,14 +188,18 @@ class Model:
         """Index triples (n, 3) of linear numbers (n) in a grid of `extents`, u fastest."""
         return np.stack([numbers % extents[0], numbers // extents[0] % extents[1], numbers // (extents[0] * extents[1])], 1)
 
+    def greville_points(self, ijk):
+        """Greville parameters (n, 3) of B-splines (i, j, k) (n, 3)."""
+        return np.stack([sum(self.knots[d][ijk[:, d] + a] for a in range(1, self.degree[d] + 1)) / self.degree[d]
+                         for d in range(3)], 1)
+
     def control_points(self, numbers):
         """Control points of functions by number: numbers.shape + (3,). A very fine grid's file leaves the table out; its
         rows are the positions of the Greville parameters."""
         if "/patch/control_points" in self.data:
             return self["/patch/control_points"][numbers]
         ijk = self.split_numbers(numbers.ravel(), self.functions)
-        u = np.stack([sum(self.knots[d][ijk[:, d] + a] for a in range(1, self.degree[d] + 1)) / self.degree[d]
-                      for d in range(3)], 1)
+        u = self.greville_points(ijk)
         patch = self.attributes["/patch"]
         centre = (patch["A"] + patch["B"]) / 2
         return (centre + (u - centre) @ patch["rotation"].T).reshape(*numbers.shape, 3)

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <map>
 #include <numeric>
 #include <tbb/parallel_for.h>
 #include <unordered_map>
@@ -42,35 +41,6 @@ void degree_p_weights(const KnotVector& knots, std::int64_t span, const Coeffici
                       std::span<double> weights) {
   blossom_weights(knots, span, std::span(coefficient.knots).first(static_cast<std::size_t>(knots.degree())), weights);
 }
-
-// The unknowns that each cell sees.
-struct CellUnknowns {
-  std::vector<std::size_t> first; // (num_cells + 1)
-  std::vector<std::int32_t> unknowns;
-
-  explicit CellUnknowns(const TrimmedModel& model) : first{0} {
-    for (std::size_t c = 0; c < model.num_cells(); ++c) {
-      const auto begin = static_cast<std::ptrdiff_t>(unknowns.size());
-      for (const std::int32_t f : model.functions_of(c)) {
-        if (model.unknowns.empty()) {
-          unknowns.push_back(f);
-          continue;
-        }
-        const auto& offsets = model.unknowns.offsets;
-        for (auto t = offsets[static_cast<std::size_t>(f)]; t < offsets[static_cast<std::size_t>(f) + 1]; ++t)
-          unknowns.push_back(model.unknowns.terms[static_cast<std::size_t>(t)]);
-      }
-      if (!model.unknowns.empty()) {
-        std::sort(unknowns.begin() + begin, unknowns.end());
-        unknowns.erase(std::unique(unknowns.begin() + begin, unknowns.end()), unknowns.end());
-      }
-      first.push_back(unknowns.size());
-    }
-  }
-  std::span<const std::int32_t> of(std::size_t cell) const {
-    return std::span(unknowns).subspan(first[cell], first[cell + 1] - first[cell]);
-  }
-};
 
 class Planner {
  public:
@@ -111,12 +81,9 @@ class Planner {
   void find_gap_ends() {
     if (model_.unknowns.empty() || remedy_ != LightFunctions::Linear) return;
     stays_.assign(light_.size(), 0);
-    at_gap_end_.assign(model_.num_cells(), 0);
-    for (std::size_t c = 0; c < model_.num_cells(); ++c) {
-      if (!model_.is_at_gap_end(c)) continue;
-      at_gap_end_[c] = 1;
-      for (const std::int32_t u : unknowns_.of(c)) stays_[static_cast<std::size_t>(u)] = 1;
-    }
+    for (std::size_t c = 0; c < model_.num_cells(); ++c)
+      if (model_.is_at_gap_end(c))
+        for (const std::int32_t u : unknowns_.of(c)) stays_[static_cast<std::size_t>(u)] = 1;
   }
 
   bool is_light(std::size_t unknown, double threshold) const {
@@ -135,14 +102,7 @@ class Planner {
       neighbours_[next[static_cast<std::size_t>(links[l])]++] = links[l + 1];
       neighbours_[next[static_cast<std::size_t>(links[l + 1])]++] = links[l];
     }
-    first_cell_.assign(light_.size() + 1, 0);
-    for (const std::int32_t u : unknowns_.unknowns) ++first_cell_[static_cast<std::size_t>(u) + 1];
-    std::partial_sum(first_cell_.begin(), first_cell_.end(), first_cell_.begin());
-    cells_.resize(unknowns_.unknowns.size());
-    next.assign(first_cell_.begin(), first_cell_.end() - 1);
-    for (std::size_t c = 0; c < model_.num_cells(); ++c)
-      for (const std::int32_t u : unknowns_.of(c))
-        cells_[next[static_cast<std::size_t>(u)]++] = static_cast<std::int32_t>(c);
+    cells_ = unknowns_.by_unknown();
   }
 
   std::span<const std::int32_t> neighbours(std::int32_t cell) const {
@@ -151,7 +111,7 @@ class Planner {
   }
 
   bool is_good(std::int64_t cell) const {
-    bool good = at_gap_end_.empty() || at_gap_end_[static_cast<std::size_t>(cell)] == 0;
+    bool good = stays_.empty() || !model_.is_at_gap_end(static_cast<std::size_t>(cell));
     for_unknowns(cell, [&](std::int64_t u) {
       const auto unknown = static_cast<std::size_t>(u);
       good = good && !light_[unknown] && (stays_.empty() || model_.unknown_mass_fraction()[unknown] >= threshold_);
@@ -185,7 +145,7 @@ class Planner {
     };
     if (any_good()) return;
     if (std::any_of(part.begin(), part.end(), [&](std::int32_t a) {
-          return !at_gap_end_.empty() && at_gap_end_[static_cast<std::size_t>(a)] != 0;
+          return !stays_.empty() && model_.is_at_gap_end(static_cast<std::size_t>(a));
         })) { // nothing to follow but what stays on its own
       for (const std::int32_t a : part)
         for_unknowns(a, [&](std::int64_t u) { light_[static_cast<std::size_t>(u)] = 0; });
@@ -226,7 +186,7 @@ class Planner {
     const auto p = static_cast<std::size_t>(knots.degree());
     const auto u = static_cast<std::size_t>(unknown);
     Coefficient c;
-    const std::int64_t function = model_.unknowns.empty() ? unknown : model_.unknowns.function[u];
+    const std::int64_t function = model_.function_of(u);
     if (function >= 0) {
       const auto i = static_cast<std::size_t>(
           model_.grid.function_index(model_.functions.number[static_cast<std::size_t>(function)])[d]);
@@ -250,8 +210,7 @@ class Planner {
   // may be.
   std::int32_t nearest_good_cell(std::int64_t unknown) const {
     Point3 centre; // of its support, or its Greville point, in spans less one half
-    const std::int64_t function =
-        model_.unknowns.empty() ? unknown : model_.unknowns.function[static_cast<std::size_t>(unknown)];
+    const std::int64_t function = model_.function_of(static_cast<std::size_t>(unknown));
     for (std::size_t d = 0; d < 3; ++d)
       if (function >= 0) {
         const Index3 i = model_.grid.function_index(model_.functions.number[static_cast<std::size_t>(function)]);
@@ -268,8 +227,7 @@ class Planner {
         sum += (centre[d] - static_cast<double>(s[d])) * (centre[d] - static_cast<double>(s[d]));
       return sum;
     };
-    const auto u = static_cast<std::size_t>(unknown);
-    const auto own = std::span(cells_).subspan(first_cell_[u], first_cell_[u + 1] - first_cell_[u]);
+    const auto own = cells_.of(unknown);
     std::vector<std::int32_t> ring(own.begin(), own.end()), next;
     std::unordered_map<std::int32_t, char> seen;
     for (const std::int32_t a : ring) seen[a] = 1;
@@ -300,7 +258,6 @@ class Planner {
       (remedy_ == LightFunctions::Linear ? linear_weights : degree_p_weights)(
           model_.grid.knots(static_cast<int>(d)), s[d], coefficient(slave.unknown, d),
           std::span(weights[d]).first(static_cast<std::size_t>(p[d]) + 1));
-    std::map<std::int64_t, double> masters;
     std::size_t entry = 0;
     for (const std::int32_t f : model_.functions_of(static_cast<std::size_t>(cell))) {
       const std::size_t a = entry % static_cast<std::size_t>(p[0] + 1), bc = entry / static_cast<std::size_t>(p[0] + 1);
@@ -308,29 +265,31 @@ class Planner {
       const double weight = weights[0][a] * weights[1][b] * weights[2][c];
       ++entry;
       if (weight == 0) continue;
-      if (model_.unknowns.empty()) {
-        masters[f] = weight;
-        continue;
-      }
-      const auto& offsets = model_.unknowns.offsets;
-      for (auto t = static_cast<std::size_t>(offsets[static_cast<std::size_t>(f)]);
-           t < static_cast<std::size_t>(offsets[static_cast<std::size_t>(f) + 1]); ++t)
-        masters[model_.unknowns.terms[t]] += weight * model_.unknowns.weights[t];
+      model_.for_terms(
+          f, [&](std::int32_t unknown, double factor) { slave.masters.emplace_back(unknown, weight * factor); });
     }
-    slave.masters.assign(masters.begin(), masters.end());
+    if (model_.unknowns.empty()) return; // functions are ascending, each once
+    std::stable_sort(slave.masters.begin(), slave.masters.end(),
+                     [](const auto& x, const auto& y) { return x.first < y.first; });
+    std::size_t last = 0;
+    for (std::size_t m = 1; m < slave.masters.size(); ++m)
+      if (slave.masters[m].first == slave.masters[last].first)
+        slave.masters[last].second += slave.masters[m].second;
+      else
+        slave.masters[++last] = slave.masters[m];
+    slave.masters.resize(last + 1);
   }
 
   const TrimmedModel& model_;
   LightFunctions remedy_;
   double threshold_;
   std::vector<char> light_, good_;
-  std::vector<char> stays_, at_gap_end_; // (n_u), (num_cells); empty unless gaps end and the remedy is linear
+  std::vector<char> stays_; // (n_u); empty unless gaps end and the remedy is linear
   std::vector<double> fictitious_;
   std::vector<std::size_t> first_neighbour_; // (num_cells + 1)
   std::vector<std::int32_t> neighbours_;     // linked cells
   CellUnknowns unknowns_;
-  std::vector<std::size_t> first_cell_; // (n_u + 1)
-  std::vector<std::int32_t> cells_;     // of each unknown, ascending
+  FunctionCells cells_; // of each unknown
 };
 
 } // namespace

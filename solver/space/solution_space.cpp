@@ -26,12 +26,10 @@ void to_bernstein(const SplineGrid& grid, const Index3& span, Eigen::MatrixXd& r
     const KnotVector& knots = grid.knots(static_cast<int>(d));
     const auto n = static_cast<Eigen::Index>(knots.degree()) + 1;
     Eigen::MatrixXd T(n, n);
-    std::vector<double> arguments(static_cast<std::size_t>(knots.degree())), weights(static_cast<std::size_t>(n));
+    std::vector<double> weights(static_cast<std::size_t>(n));
     for (Eigen::Index k = 0; k < n; ++k) {
-      std::fill(arguments.begin(), arguments.end(), knots.lower(span[d]));
-      std::fill_n(arguments.begin(), k, knots.upper(span[d]));
-      blossom_weights(knots, span[d], arguments, weights);
-      for (Eigen::Index a = 0; a < n; ++a) T(k, a) = weights[static_cast<std::size_t>(a)];
+      bernstein_weights(knots, span[d], static_cast<int>(k), weights);
+      T.row(k) = Eigen::Map<const Eigen::RowVectorXd>(weights.data(), n);
     }
     Eigen::MatrixXd line(n, rows.cols());
     for (Eigen::Index first = 0; first < rows.rows(); ++first) {
@@ -85,12 +83,10 @@ SolutionSpace::SolutionSpace(const TrimmedModel& model, const LightTreatment& tr
   extension_.resize(static_cast<Eigen::Index>(num_unknowns), num_nodes);
   extension_.setFromTriplets(entries.begin(), entries.end());
   if (!model.unknowns.empty()) {
-    const auto num_functions = static_cast<Eigen::Index>(model.functions.number.size());
+    const auto num_functions = static_cast<std::int32_t>(model.functions.number.size());
     entries.clear();
-    for (std::size_t f = 0; f + 1 < model.unknowns.offsets.size(); ++f)
-      for (auto t = static_cast<std::size_t>(model.unknowns.offsets[f]);
-           t < static_cast<std::size_t>(model.unknowns.offsets[f + 1]); ++t)
-        entries.emplace_back(static_cast<std::int32_t>(f), model.unknowns.terms[t], model.unknowns.weights[t]);
+    for (std::int32_t f = 0; f < num_functions; ++f)
+      model.for_terms(f, [&](std::int32_t unknown, double weight) { entries.emplace_back(f, unknown, weight); });
     Eigen::SparseMatrix<double, Eigen::RowMajor> rows(num_functions, static_cast<Eigen::Index>(num_unknowns));
     rows.setFromTriplets(entries.begin(), entries.end());
     unknown_extension_.swap(extension_);
@@ -99,13 +95,11 @@ SolutionSpace::SolutionSpace(const TrimmedModel& model, const LightTreatment& tr
   // A function that is a node: its row has nothing else.
   std::vector<std::uint8_t> is_node(model.functions.number.size(), model.unknowns.empty());
   for (std::size_t u = 0; u < num_unknowns; ++u) {
-    const std::int64_t f =
-        model.unknowns.empty() ? static_cast<std::int64_t>(u) : std::int64_t{model.unknowns.function[u]};
+    const std::int64_t f = model.function_of(u);
     if (f >= 0) is_node[static_cast<std::size_t>(f)] = node_of[u] >= 0;
   }
 
-  if (!model.unknowns.empty())
-    for (std::size_t c = 0; c < model.num_cells(); ++c) bernstein_.push_back(model.is_at_gap_end(c));
+  const CellUnknowns cell_unknowns(model);
   std::vector<LocalSpace> local(model.num_cells());
   tbb::parallel_for(std::size_t{0}, local.size(), [&](std::size_t a) {
     const auto functions = model.functions_of(a);
@@ -126,20 +120,13 @@ SolutionSpace::SolutionSpace(const TrimmedModel& model, const LightTreatment& tr
     };
     if (is_bernstein(static_cast<std::int64_t>(a))) {
       // Bernstein coefficients from the unknowns first: there the large factors of the B-splines cancel.
-      std::vector<std::int32_t> unknowns;
-      const auto& offsets = model.unknowns.offsets;
-      for (const std::int32_t f : functions)
-        unknowns.insert(unknowns.end(), model.unknowns.terms.begin() + offsets[static_cast<std::size_t>(f)],
-                        model.unknowns.terms.begin() + offsets[static_cast<std::size_t>(f) + 1]);
-      std::sort(unknowns.begin(), unknowns.end());
-      unknowns.erase(std::unique(unknowns.begin(), unknowns.end()), unknowns.end());
+      const auto unknowns = cell_unknowns.of(a);
       Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(E.rows(), static_cast<Eigen::Index>(unknowns.size()));
       for (std::size_t f = 0; f < functions.size(); ++f)
-        for (auto t = static_cast<std::size_t>(offsets[static_cast<std::size_t>(functions[f])]);
-             t < static_cast<std::size_t>(offsets[static_cast<std::size_t>(functions[f]) + 1]); ++t)
+        model.for_terms(functions[f], [&](std::int32_t unknown, double weight) {
           rows(static_cast<Eigen::Index>(f),
-               std::lower_bound(unknowns.begin(), unknowns.end(), model.unknowns.terms[t]) - unknowns.begin()) =
-              model.unknowns.weights[t];
+               std::lower_bound(unknowns.begin(), unknowns.end(), unknown) - unknowns.begin()) = weight;
+        });
       to_bernstein(model.grid, model.grid.span_index(model.cells.span[a]), rows);
       for (std::size_t u = 0; u < unknowns.size(); ++u)
         for (decltype(extension_)::InnerIterator it(unknown_extension_, unknowns[u]); it; ++it)
@@ -229,8 +216,7 @@ Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> SolutionSpace::node_po
   Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> points(num_nodes(), 3);
   for (Eigen::Index n = 0; n < points.rows(); ++n) {
     const auto u = static_cast<std::size_t>(node_unknown_[static_cast<std::size_t>(n)]);
-    const std::int64_t f =
-        model_->unknowns.empty() ? static_cast<std::int64_t>(u) : std::int64_t{model_->unknowns.function[u]};
+    const std::int64_t f = model_->function_of(u);
     Point3 x;
     if (f >= 0) {
       x = model_->grid.control_point(

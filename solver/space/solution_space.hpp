@@ -63,9 +63,7 @@ class SolutionSpace {
   const Eigen::MatrixXd& local_extension(std::int64_t a) const;
   /// Are a cell's shape functions made of Bernstein functions of its span? Those at gap ends, where combinations of
   /// B-splines would lose up to 5 digits at p = 4.
-  bool is_bernstein(std::int64_t a) const {
-    return !bernstein_.empty() && bernstein_[static_cast<std::size_t>(a)] != 0;
-  }
+  bool is_bernstein(std::int64_t a) const { return model_->is_at_gap_end(static_cast<std::size_t>(a)); }
 
  private:
   const TrimmedModel* model_;
@@ -79,7 +77,6 @@ class SolutionSpace {
   Eigen::SparseMatrix<double, Eigen::RowMajor> extension_, unknown_extension_;
   std::vector<std::int32_t> local_extension_index_; // per span: entry of local_extensions_, -1 for plain spans
   std::vector<Eigen::MatrixXd> local_extensions_;
-  std::vector<std::uint8_t> bernstein_; // (num_cells), or empty
 };
 
 /// Shape functions at n points of one span; work space to be reused. Column-major: the points of a column lie together.

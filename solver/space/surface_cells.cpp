@@ -100,17 +100,9 @@ SurfaceCells::SurfaceCells(const TrimmedModel& model) : model_(model) {
 }
 
 bool SurfaceCells::is_linked(std::int64_t a, std::int64_t b) const {
-  const std::vector<std::int32_t>& links = model_.links.cells;
-  const std::pair<std::int64_t, std::int64_t> wanted{std::min(a, b), std::max(a, b)};
-  std::size_t low = 0, high = links.size() / 2;
-  while (low < high) {
-    const std::size_t middle = (low + high) / 2;
-    if (std::pair<std::int64_t, std::int64_t>(links[2 * middle], links[2 * middle + 1]) < wanted)
-      low = middle + 1;
-    else
-      high = middle;
-  }
-  return 2 * low < links.size() && links[2 * low] == wanted.first && links[2 * low + 1] == wanted.second;
+  const std::pair wanted{static_cast<std::int32_t>(std::min(a, b)), static_cast<std::int32_t>(std::max(a, b))};
+  const std::size_t link = model_.links.first_from(wanted);
+  return link < model_.links.size() && model_.links[link] == wanted;
 }
 
 CellPlace SurfaceCells::find(std::size_t triangle, const Point3& u) const {

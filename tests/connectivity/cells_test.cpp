@@ -420,7 +420,7 @@ TEST(GapEnds, OnlyWhereAGapEndsAndOnlyFromDegreeTwo) {
                                      sphere({0, 0, 0}, 10, 3), slit_block(3, 0)}) {
       const Split none = split(grid_around(mesh, 4, degree, 0.3), mesh, true);
       EXPECT_EQ(none.counts.gap_end_cells, 0);
-      EXPECT_TRUE(none.cells.unknowns.function.empty());
+      EXPECT_TRUE(none.cells.unknowns.rows.empty());
       EXPECT_TRUE(none.trimming.gap_end.empty());
       EXPECT_EQ(none.cells.functions, split(grid_around(mesh, 4, degree, 0.3), mesh).cells.functions);
     }
@@ -433,7 +433,7 @@ TEST(GapEnds, UnknownsAddUpToOneAndToPlaces) {
     const SplineGrid around = grid_around(mesh, 4, 2, 0.3);
     const SplineGrid grid(around.A(), around.B(), around.spans(), degree);
     const Split s = split(grid, mesh, true);
-    const GapEndUnknowns& u = s.cells.unknowns;
+    const Unknowns& u = s.cells.unknowns.rows;
     ASSERT_FALSE(u.function.empty());
     ASSERT_EQ(u.offsets.size(), s.cells.function.size() + 1);
     EXPECT_TRUE(std::is_sorted(s.cells.function.begin(), s.cells.function.end()));
@@ -451,7 +451,7 @@ TEST(GapEnds, UnknownsAddUpToOneAndToPlaces) {
       for (std::size_t d = 0; d < 3; ++d)
         EXPECT_NEAR(place[d], grid.knots(static_cast<int>(d)).greville(i[d]), 1e-11 * size);
     }
-    for (const double full : u.full) EXPECT_GT(full, 0);
+    for (const double full : s.cells.unknowns.full) EXPECT_GT(full, 0);
   }
 }
 
@@ -464,8 +464,8 @@ TEST(Cells, DoNotDependOnTheNumberOfThreads) {
     const Split single = split(grid, mesh, true);
     EXPECT_EQ(many.cells.functions, single.cells.functions);
     EXPECT_EQ(many.cells.function, single.cells.function);
-    EXPECT_EQ(many.cells.unknowns.terms, single.cells.unknowns.terms);
-    EXPECT_EQ(many.cells.unknowns.weights, single.cells.unknowns.weights);
+    EXPECT_EQ(many.cells.unknowns.rows.terms, single.cells.unknowns.rows.terms);
+    EXPECT_EQ(many.cells.unknowns.rows.weights, single.cells.unknowns.rows.weights);
     EXPECT_EQ(many.cells.unknowns.full, single.cells.unknowns.full);
     EXPECT_EQ(many.trimming.fraction, single.trimming.fraction);
     EXPECT_EQ(many.trimming.pieces.vertices, single.trimming.pieces.vertices);

@@ -16,6 +16,9 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
+import explicit_runs  # noqa: E402
+
 SOURCE, IGAPREP, IGASOLVE = Path(sys.argv[1]), *sys.argv[2:4]
 MATERIAL = ("--E", "210", "--nu", "0.3", "--rho", "7.85e-3")
 TETRAHEDRA = [2.2843, 2.6600, 5.4794, 5.6486, 6.0687, 6.7167]
@@ -151,32 +154,19 @@ end = {end}
 interval = 0.2
 """)
 
-    def series(self, name):
-        with h5py.File(self.path / name) as file:
-            data = {}
-            file["time_series"].visititems(
-                lambda path, item: data.update({path: item[()]}) if isinstance(item, h5py.Dataset) else None)
-        return data
-
     def test_free_flight_keeps_its_energy_and_restarts_bit_for_bit(self):
         self.write_flight(40)
         report = self.solve("explicit", self.path / "flight.toml", "-o", self.path / "whole.h5")
         self.assertIn("--gap-ends glued", " ".join(report["findings"]))
-        whole = self.series("whole.h5")
+        whole = explicit_runs.series(self.path / "whole.h5")
         total = whole["energy/kinetic"] + whole["energy/internal"]
         self.assertLess(np.abs(total / total[0] - 1).max(), 1e-6)
-        process = subprocess.Popen([IGASOLVE, "explicit", self.path / "flight.toml", "-o", self.path / "parts.h5"],
-                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        lines = ""
-        while "stepping:" not in lines:
-            line = process.stderr.readline()
-            self.assertTrue(line, "the run ended before it stepped: " + lines)
-            lines += line
+        process = explicit_runs.start([IGASOLVE, "explicit", self.path / "flight.toml", "-o", self.path / "parts.h5"])
         process.send_signal(signal.SIGINT)
         process.communicate()
         self.assertEqual(process.returncode, 130)
         self.solve("explicit", self.path / "flight.toml", "-o", self.path / "parts.h5", "--restart")
-        parts = self.series("parts.h5")
+        parts = explicit_runs.series(self.path / "parts.h5")
         self.assertEqual(whole.keys(), parts.keys())
         for name in whole:
             self.assertEqual(whole[name].tobytes(), parts[name].tobytes(), name)

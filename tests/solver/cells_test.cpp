@@ -6,7 +6,6 @@
 #include "tests/solver/trimmed_part.hpp"
 
 #include <gtest/gtest.h>
-#include <numeric>
 
 namespace iga::solve {
 namespace {
@@ -23,22 +22,6 @@ TrimmedModel two_blocks(int degree) {
   return make_part(mesh, options);
 }
 
-// Connected part of each cell.
-std::vector<std::int32_t> parts_of(const TrimmedModel& model) {
-  std::vector<std::int32_t> part(model.num_cells());
-  std::iota(part.begin(), part.end(), 0);
-  for (bool changed = true; changed;) {
-    changed = false;
-    for (std::size_t l = 0; l < model.links.cells.size(); l += 2) {
-      auto& a = part[static_cast<std::size_t>(model.links.cells[l])];
-      auto& b = part[static_cast<std::size_t>(model.links.cells[l + 1])];
-      changed = changed || a != b;
-      a = b = std::min(a, b);
-    }
-  }
-  return part;
-}
-
 class CellsOfTwoBlocks : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Degrees, CellsOfTwoBlocks, testing::Values(1, 2, 3, 4));
 
@@ -53,7 +36,7 @@ TEST_P(CellsOfTwoBlocks, AreSoundAndMoveApart) {
 
 TEST_P(CellsOfTwoBlocks, LightFunctionsFollowTheirOwnSide) {
   const TrimmedModel model = two_blocks(GetParam());
-  const auto part = parts_of(model);
+  const auto part = connected_parts(model);
   std::vector<std::int32_t> part_of_function(model.functions.number.size(), -1);
   for (std::size_t c = 0; c < model.num_cells(); ++c)
     for (const std::int32_t f : model.functions_of(c)) {
@@ -82,7 +65,7 @@ TEST_P(CellsOfTwoBlocks, FunctionsAddUpToOneInEveryCell) {
 
 TEST_P(CellsOfTwoBlocks, PlacesBelongToTheBlockTheyLieIn) {
   const TrimmedModel model = two_blocks(GetParam());
-  const auto part = parts_of(model);
+  const auto part = connected_parts(model);
   const Locator locator(model);
   const SurfaceCells surface(model);
   // Every quadrature point of the solid and of its surface finds its own cell.

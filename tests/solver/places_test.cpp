@@ -9,7 +9,6 @@
 #include "tests/solver/trimmed_part.hpp"
 
 #include <gtest/gtest.h>
-#include <numeric>
 
 namespace iga::solve {
 namespace {
@@ -32,17 +31,8 @@ TrimmedModel model_of(const TriangleMesh& mesh, int degree, double shift = 0) {
 // Body of each cell, as the regions of the surface are numbered: the one that most of the surface of its connected part
 // belongs to.
 std::vector<int> body_of_cells(const TrimmedModel& model) {
-  std::vector<std::size_t> part(model.num_cells());
-  std::iota(part.begin(), part.end(), std::size_t{0});
-  for (bool changed = true; changed;) {
-    changed = false;
-    for (std::size_t l = 0; l < model.links.cells.size(); l += 2) {
-      auto& a = part[static_cast<std::size_t>(model.links.cells[l])];
-      auto& b = part[static_cast<std::size_t>(model.links.cells[l + 1])];
-      changed = changed || a != b;
-      a = b = std::min(a, b);
-    }
-  }
+  const std::vector<std::int32_t> parts = connected_parts(model);
+  const std::vector<std::size_t> part(parts.begin(), parts.end());
   std::vector<std::array<double, 2>> area(model.num_cells());
   const auto& surface = model.surface.quadrature;
   for (std::size_t c = 0; c < part.size(); ++c)

@@ -10,11 +10,11 @@ import time
 import unittest
 from pathlib import Path
 
-import h5py
 import numpy as np
 
 SOURCE, IGAPREP, IGASOLVE = (Path(argument) for argument in sys.argv[1:4])
 sys.path[:0] = [str(SOURCE / "scripts"), str(SOURCE / "tests/scripts")]
+import explicit_runs  # noqa: E402
 from igatools import iga_model, iga_results  # noqa: E402
 from parts import write_boxes  # noqa: E402
 
@@ -80,21 +80,11 @@ class TwoWallsInASpan(unittest.TestCase):
         return done
 
     def start(self, name, out, *more):
-        """A run at work: its first steps are done."""
-        process = subprocess.Popen(self.command(name, out, *more), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        lines = ""
-        while "stepping:" not in lines:
-            line = process.stderr.readline()
-            self.assertTrue(line, "the run ended before it stepped: " + lines)
-            lines += line
-        return process
+        return explicit_runs.start(self.command(name, out, *more))
 
     def bits(self, out):
         results = iga_results.read(self.path / out)
-        with h5py.File(self.path / out) as file:
-            data = {}
-            file["time_series"].visititems(
-                lambda name, item: data.update({name: item[()].tobytes()}) if isinstance(item, h5py.Dataset) else None)
+        data = {name: value.tobytes() for name, value in explicit_runs.series(self.path / out).items()}
         for step in range(results.num_fields()):
             data.update({f"{step} {name}": value.tobytes() for name, value in results.fields(step).data.items()})
         return data

@@ -18,7 +18,8 @@ import h5py
 import numpy as np
 
 SOURCE, WRITE_MODEL, IGASOLVE = (Path(argument) for argument in sys.argv[1:4])
-sys.path.insert(0, str(SOURCE / "scripts"))
+sys.path[:0] = [str(SOURCE / "scripts"), str(SOURCE / "tests/scripts")]
+import explicit_runs  # noqa: E402
 from igatools import iga_results  # noqa: E402
 
 # The box 3.5 × 2 × 1.6 of the synthetic model, hit by a sphere from above, on a plate; friction, gravity, damping.
@@ -111,21 +112,10 @@ class ExplicitRunTest(unittest.TestCase):
         return done
 
     def start(self, run, out, *more):
-        """A run at work: its first steps are done."""
-        process = subprocess.Popen(self.command(run, out, *more), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        lines = ""
-        while "stepping:" not in lines:
-            line = process.stderr.readline()
-            self.assertTrue(line, "the run ended before it stepped: " + lines)
-            lines += line
-        return process
+        return explicit_runs.start(self.command(run, out, *more))
 
     def series(self, out):
-        with h5py.File(self.path / out) as file:
-            data = {}
-            file["time_series"].visititems(
-                lambda name, item: data.update({name: item[()].tobytes()}) if isinstance(item, h5py.Dataset) else None)
-            return data
+        return {name: value.tobytes() for name, value in explicit_runs.series(self.path / out).items()}
 
     def fields(self, out):
         results = iga_results.read(self.path / out)
