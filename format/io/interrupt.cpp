@@ -27,35 +27,43 @@ extern "C" void note_signal(int number) {
     _exit(128 + number);
 }
 
-// METIS puts a handler of its own in the place of ours for SIGTERM while it works, one that jumps to where the thread
-// that called METIS came from: run by another thread it ends in a segmentation fault. So SIGTERM is blocked in every
-// thread, and one thread waits for it.
-void* wait_for_termination(void*) {
+sigset_t termination() {
   sigset_t set;
   sigemptyset(&set);
   sigaddset(&set, SIGTERM);
+  return set;
+}
+
+void* wait_for_termination(void*) {
+  const sigset_t set = termination();
   for (int number = 0;;)
     if (sigwait(&set, &number) == 0) note_signal(number);
   return nullptr;
 }
 
 void start_waiting_for_termination() {
-  sigset_t set;
-  sigemptyset(&set);
-  sigaddset(&set, SIGTERM);
-  pthread_sigmask(SIG_BLOCK, &set, nullptr);
+  block_termination();
   pthread_attr_t attributes;
   pthread_attr_init(&attributes);
   pthread_attr_setdetachstate(&attributes, PTHREAD_CREATE_DETACHED);
   pthread_attr_setstacksize(&attributes, 1 << 18);
   pthread_t thread{};
   // Without memory for a thread the handler does what it did before.
-  if (pthread_create(&thread, &attributes, wait_for_termination, nullptr) != 0)
-    pthread_sigmask(SIG_UNBLOCK, &set, nullptr);
+  if (pthread_create(&thread, &attributes, wait_for_termination, nullptr) != 0) unblock_termination();
   pthread_attr_destroy(&attributes);
 }
 
 } // namespace
+
+void block_termination() {
+  const sigset_t set = termination();
+  pthread_sigmask(SIG_BLOCK, &set, nullptr);
+}
+
+void unblock_termination() {
+  const sigset_t set = termination();
+  pthread_sigmask(SIG_UNBLOCK, &set, nullptr);
+}
 
 void install_signal_handlers() {
   struct sigaction action {};
