@@ -24,6 +24,8 @@ constexpr const char* functions = "/functions";
 constexpr const char* unknowns = "/unknowns";
 constexpr const char* surface = "/surface";
 constexpr const char* surface_quadrature = "/surface/quadrature";
+constexpr const char* curves = "/curves";
+constexpr const char* markers = "/markers";
 constexpr const char* provenance = "/provenance";
 
 constexpr std::array<DatasetText, 3> knots{
@@ -105,6 +107,14 @@ constexpr DatasetText surface_normals{"/surface/quadrature/normals", "1", "(poin
                                       "outward unit normals in space"};
 constexpr DatasetText surface_triangle{"/surface/quadrature/triangle", "1", "(point), grouped by cell",
                                        "number of the triangle that each point lies on"};
+
+constexpr DatasetText curve_names{"/curves/names", "1", "(curve)", "names of the curves, none twice"};
+constexpr DatasetText curve_offsets{"/curves/offsets", "1", "(curve), then the total",
+                                    "curve c has the points offsets[c] ... offsets[c+1] - 1, two or more"};
+constexpr DatasetText curve_points{"/curves/points", "length", "(point; x y z), grouped by curve, in order along it",
+                                   "points in space; straight between neighbours; a closed curve ends at its first"};
+constexpr DatasetText marker_names{"/markers/names", "1", "(marker)", "names of the points, none twice"};
+constexpr DatasetText marker_positions{"/markers/positions", "length", "(marker; x y z)", "points in space"};
 
 constexpr DatasetText timing_stages{"/provenance/timing_stages", "1", "in the order they ran",
                                     "stages of the program's work"};

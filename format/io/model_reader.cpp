@@ -155,6 +155,25 @@ Unknowns read_unknowns(const H5Reader& file, std::int64_t num_functions) {
   return u;
 }
 
+Curves read_curves(const H5Reader& file) {
+  Curves c;
+  if (!file.has(names::curves)) return c;
+  const std::int64_t n = rows_of(file, names::curve_names), points = rows_of(file, names::curve_points, 2);
+  c.names = file.strings(names::curve_names.path);
+  c.offsets = read<std::int64_t>(file, names::curve_offsets, n + 1);
+  c.points = in_rows<Point3>(read<double>(file, names::curve_points, points, 3));
+  return c;
+}
+
+Markers read_markers(const H5Reader& file) {
+  Markers m;
+  if (!file.has(names::markers)) return m;
+  const std::int64_t n = rows_of(file, names::marker_names);
+  m.names = file.strings(names::marker_names.path);
+  m.positions = in_rows<Point3>(read<double>(file, names::marker_positions, n, 3));
+  return m;
+}
+
 TrimmedModel load(const H5Reader& file) {
   expect_format(file, names::format, names::format_major, names::format_version);
   TrimmedModel m;
@@ -179,6 +198,8 @@ TrimmedModel load(const H5Reader& file) {
   m.functions.mass_fraction = read<double>(file, names::mass_fraction, num_functions);
   m.unknowns = read_unknowns(file, num_functions);
   m.surface = read_surface(file, num_cells);
+  m.curves = read_curves(file);
+  m.markers = read_markers(file);
   m.provenance = read_provenance(file);
   return m;
 }

@@ -89,11 +89,29 @@ void write_unknowns(H5Writer& file, const Unknowns& u) {
   write(file, names::unknown_mass_fraction, u.mass_fraction);
 }
 
+void write_points(H5Writer& file, const DatasetText& text, const std::vector<Point3>& points) {
+  file.dataset(text, {static_cast<std::int64_t>(points.size()), 3}, flat(points));
+}
+
+void write_places(H5Writer& file, const TrimmedModel& m) {
+  if (!m.curves.empty()) {
+    file.group(names::curves, "named lines in space that supports and loads may act along");
+    file.strings(names::curve_names, m.curves.names);
+    write(file, names::curve_offsets, m.curves.offsets);
+    write_points(file, names::curve_points, m.curves.points);
+  }
+  if (!m.markers.empty()) {
+    file.group(names::markers, "named points in space that supports and loads may act at");
+    file.strings(names::marker_names, m.markers.names);
+    write_points(file, names::marker_positions, m.markers.positions);
+  }
+}
+
 void write_surface(H5Writer& file, const EmbeddedSurface& s) {
   file.group(names::surface, "the embedded surface, tied to the grid");
   file.attribute(names::surface, "accepted_leak", s.accepted_leak);
   if (s.bodies > 0) file.attribute(names::surface, "bodies", s.bodies);
-  file.dataset(names::vertices, {static_cast<std::int64_t>(s.mesh.vertices.size()), 3}, flat(s.mesh.vertices));
+  write_points(file, names::vertices, s.mesh.vertices);
   write(file, names::vertex_parameters, s.vertex_parameters, 3);
   write(file, names::vertex_cell, s.vertex_cell);
   file.dataset(names::triangles, {static_cast<std::int64_t>(s.mesh.triangles.size()), 3}, flat(s.mesh.triangles));
@@ -122,6 +140,7 @@ void write_model(const std::filesystem::path& path, const TrimmedModel& model) {
   write_functions(file, model);
   write_unknowns(file, model.unknowns);
   write_surface(file, model.surface);
+  write_places(file, model);
   write_provenance(file, model.provenance);
   file.commit();
 }

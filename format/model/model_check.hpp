@@ -74,5 +74,7 @@ bool unknowns_fit(const TrimmedModel& model, ProblemKind& kind);
 void check_continuity(const TrimmedModel& model, std::size_t link, std::size_t axis, ProblemKind& kind);
 void check_functions(const TrimmedModel& model, int limit, std::vector<std::string>& problems);
 void check_surface(const TrimmedModel& model, int limit, std::vector<std::string>& problems);
+/// Curves and markers: shapes, names, finite numbers, curves of some length.
+void check_places(const TrimmedModel& model, int limit, std::vector<std::string>& problems);
 
 } // namespace iga::detail

@@ -211,6 +211,7 @@ CellCounts count_cells(const TrimmedModel& model) {
 std::vector<std::string> check(const TrimmedModel& model, int limit) {
   std::vector<std::string> problems;
   if (!shapes_fit(model, limit, problems) || !states_fit(model, limit, problems)) return problems;
+  detail::check_places(model, limit, problems);
   detail::check_volume(model, limit, problems);
   if (!detail::cells_fit(model, limit, problems)) return problems;
   detail::check_functions(model, limit, problems);

@@ -101,6 +101,31 @@ struct EmbeddedSurface {
   std::int64_t bodies = 0;  ///< separate bodies that the surface encloses (cavities not counted); 0 where not known
 };
 
+/// Named lines in space, mostly edges of the CAD model: supports and loads act along them. They lie on the surface, as
+/// near as its triangles follow the CAD model's faces. All empty where the model has none.
+struct Curves {
+  std::vector<std::string> names; ///< (n_curves); none empty, none twice
+  std::vector<std::int64_t>
+      offsets; ///< (n_curves + 1); curve c has the points offsets[c] … offsets[c + 1] - 1, two or more
+  std::vector<Point3>
+      points; ///< (n); in space, length; straight pieces between neighbours; a closed curve ends at its first
+  std::size_t size() const { return names.size(); }
+  bool empty() const { return names.empty(); }
+  std::span<const Point3> points_of(std::size_t curve) const {
+    const auto first = static_cast<std::size_t>(offsets[curve]);
+    return std::span(points).subspan(first, static_cast<std::size_t>(offsets[curve + 1]) - first);
+  }
+};
+/// Length of the straight pieces between neighbouring points.
+double polyline_length(std::span<const Point3> points);
+
+/// Named points in space, mostly vertices of the CAD model. All empty where the model has none.
+struct Markers {
+  std::vector<std::string> names; ///< (n_markers); none empty, none twice
+  std::vector<Point3> positions;  ///< (n_markers); in space, length
+  bool empty() const { return names.empty(); }
+};
+
 struct InputFile {
   std::string name;   ///< base name
   std::string sha256; ///< of its bytes, lower-case hex
@@ -132,6 +157,8 @@ struct TrimmedModel {
   Functions functions;
   Unknowns unknowns;
   EmbeddedSurface surface;
+  Curves curves;
+  Markers markers;
   Provenance provenance;
 
   std::size_t num_cells() const { return cells.span.size(); }

@@ -84,6 +84,7 @@ class Model:
         self.functions = [n + p for n, p in zip(self.spans, self.degree)]
         self.knots = [self["/patch/knots_" + d] for d in "uvw"]
         self._check_cells()
+        self._check_places()
 
     def _check_cells(self):
         """What the cells' tables promise, as far as all else here stands on it."""
@@ -126,6 +127,38 @@ class Model:
             wrong |= abs(rows @ np.ones(n) - 1) > 1e-12 * size
             if wrong.any():
                 raise FormatError(f"/unknowns: the factors of function {np.argmax(wrong)} do not keep linear fields")
+
+    def _check_places(self):
+        """Names and numbers of curves and markers."""
+        for group, points in (("/curves", "/points"), ("/markers", "/positions")):
+            names = [_text(name) for name in self.data.get(group + "/names", ())]
+            if "" in names or len(set(names)) < len(names):
+                raise FormatError(f"{group}/names: holds an empty name, or one twice")
+            if not np.isfinite(self.data.get(group + points, 0.0)).all():
+                raise FormatError(f"{group}{points}: holds other than finite numbers")
+        offsets = self.data.get("/curves/offsets", np.zeros(1, int))
+        if offsets[0] != 0 or offsets[-1] != len(self.data.get("/curves/points", ())) or (np.diff(offsets) < 2).any():
+            raise FormatError("/curves/offsets: do not start at 0, do not end at the number of points, or leave a curve fewer "
+                              "than two points")
+        for name, points in self.curves().items():
+            if not self.length_of(points) > 0:
+                raise FormatError(f"/curves: '{name}' has no length")
+
+    def curves(self):
+        """Named curves: {name: points (n, 3) in order along it}."""
+        if "/curves/names" not in self.data:
+            return {}
+        return {_text(name): self["/curves/points"][first:last] for name, first, last in
+                zip(self["/curves/names"], self["/curves/offsets"], self["/curves/offsets"][1:])}
+
+    @staticmethod
+    def length_of(points):
+        """Length of the straight pieces between the points (n, 3) of a curve."""
+        return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+
+    def markers(self):
+        """Named points: {name: position (3)}."""
+        return {_text(name): x for name, x in zip(self.data.get("/markers/names", ()), self.data.get("/markers/positions", ()))}
 
     def coefficients_from_unknowns(self):
         """Sparse C (n_f, n_u): coefficients of functions = C @ unknowns; the identity where every function is an unknown.
@@ -309,6 +342,8 @@ def summary(model):
         "mass_fraction_error": float(np.abs(model.mass_fractions() - model["/functions/mass_fraction"]).max()),
         "vertex_position_error": float(np.abs(model.vertex_positions() - model["/surface/vertices"]).max()),
         "regions": {_text(name): a for name, a in zip(model["/surface/regions"], area.tolist())},
+        "curves": {name: model.length_of(points) for name, points in model.curves().items()},
+        "markers": {name: x.tolist() for name, x in model.markers().items()},
         "surface_normal_integral": normal.tolist(),
         "enclosed_volume": enclosed,
     }

@@ -56,6 +56,11 @@ std::string text_report(const std::filesystem::path& file, const TrimmedModel& m
   if (m.surface.bodies > 0) line("bodies", "{}", m.surface.bodies);
   for (const auto& region : s.regions)
     line("  region", "{}: {} triangles, area {:.10g}", region.name, region.triangles, region.area);
+  for (std::size_t c = 0; c < m.curves.size(); ++c)
+    line("  curve", "{}: {} points, length {:.10g}", m.curves.names[c], m.curves.points_of(c).size(),
+         polyline_length(m.curves.points_of(c)));
+  for (std::size_t i = 0; i < m.markers.names.size(); ++i)
+    line("  marker", "{}: ({:.8g})", m.markers.names[i], fmt::join(m.markers.positions[i], ", "));
   constexpr double GiB = 1024.0 * 1024 * 1024;
   line("memory",
        "igasolve eigen needs about {:.2g} GiB, static {:.2g} GiB (estimated from {:.2g} nonzeros of the factor)",
@@ -130,6 +135,15 @@ std::string json_report(const std::filesystem::path& file, const TrimmedModel& m
       .add("volume", volume)
       .add("functions", functions)
       .add("surface", surface);
+  std::vector<JsonObject> curves, markers;
+  for (std::size_t c = 0; c < m.curves.size(); ++c)
+    curves.push_back(JsonObject()
+                         .add("name", m.curves.names[c])
+                         .add("points", m.curves.points_of(c).size())
+                         .add("length", polyline_length(m.curves.points_of(c))));
+  for (std::size_t i = 0; i < m.markers.names.size(); ++i)
+    markers.push_back(JsonObject().add("name", m.markers.names[i]).add("position", m.markers.positions[i]));
+  report.add("curves", curves).add("markers", markers);
   report.add("memory_estimate", JsonObject()
                                     .add("eigen_bytes", need.eigen)
                                     .add("static_bytes", need.statics)

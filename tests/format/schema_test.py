@@ -30,7 +30,7 @@ class SchemaTest(SchemaCases, unittest.TestCase):
         cls.path = Path(cls.folder.name)
         cls.files = [cls.path / f"{kind}.h5" for kind in ("box", "rotated")]
         for file in cls.files:
-            subprocess.run([WRITER, file.stem, file, "unknowns"], check=True, capture_output=True)
+            subprocess.run([WRITER, file.stem, file, "optional"], check=True, capture_output=True)
 
     @classmethod
     def tearDownClass(cls):
@@ -73,6 +73,9 @@ class SchemaTest(SchemaCases, unittest.TestCase):
                  ("/functions/number", 0, 0, "cells/functions"), ("/links/cells", (0, 1), 0, "links/cells"),
                  ("/surface/vertex_cell", 0, 10**6, "vertex"),
                  ("/patch/knots_u", 4, 0.5, "knots_u"), ("/patch/control_points", (7, 1), 3.3, "control_points"),
+                 ("/curves/offsets", 1, 1, "points, expected two"), ("/curves/offsets", 2, 5, "offset"),
+                 ("/curves/names", 1, b"edge 1", "twice"), ("/curves/points", (0, 1), np.inf, "finite"),
+                 ("/markers/names", 1, b"", "empty"), ("/markers/positions", (1, 0), np.nan, "finite"),
                  ("/surface/region", 0, 77, "region"), ("/surface/triangles", (0, 0), -1, "triangle"),
                  ("/cells/volume_fraction", 3, np.nan, "volume_fraction")]
         for path, index, value, word in cases:
@@ -113,8 +116,12 @@ class CommandTest(unittest.TestCase):
         self.assertAlmostEqual(report["volume"]["weights"], 11.2, delta=1e-12)
         self.assertEqual(len(report["surface"]["regions"]), 6)
         self.assertEqual(report["provenance"]["inputs"][1]["name"], "größe µ.stl")
+        self.assertEqual(report["curves"], [{"name": "edge 1", "points": 3, "length": 5},
+                                            {"name": "rim größe", "points": 4, "length": 12}])
+        self.assertEqual(report["markers"][1], {"name": "vertex 2", "position": [1.5, 2.5, 3.5]})
         code, text, _ = self.run_command("info", self.path / "rotated.h5")
-        for word in ("2 interior, 22 trimmed, 96 exterior", "11.2 mm³", "w+: 2 triangles, area 7", "igaprep"):
+        for word in ("2 interior, 22 trimmed, 96 exterior", "11.2 mm³", "w+: 2 triangles, area 7", "edge 1: 3 points, length 5",
+                     "vertex 2: (1.5, 2.5, 3.5)", "igaprep"):
             self.assertIn(word, text)
 
     def test_check(self):
@@ -167,6 +174,16 @@ class ReaderTest(unittest.TestCase):
             np.testing.assert_allclose(area, np.repeat(faces, 2), rtol=1e-12)
             np.testing.assert_allclose(normal, 0, atol=1e-12)
             self.assertAlmostEqual(enclosed, size.prod(), delta=1e-12 * size.prod())
+
+    def test_curves_and_markers(self):
+        model = iga_model.read(self.path / "box.h5")
+        self.assertEqual({name: model.length_of(points) for name, points in model.curves().items()},
+                         {"edge 1": 5, "rim größe": 12})
+        self.assertEqual(model.markers()["vertex 1"].tolist(), [1.25, 1.5, 1])
+        subprocess.run([WRITER, "box", self.path / "none.h5"], check=True, capture_output=True)
+        model = iga_model.read(self.path / "none.h5")
+        self.assertEqual((model.curves(), model.markers()), ({}, {}))
+        self.assertFalse([path for path in model.data if path.startswith(("/curves", "/markers"))])
 
     def test_control_points_of_a_very_fine_grid(self):
         subprocess.run([WRITER, "fine", self.path / "fine.h5"], check=True, capture_output=True)

@@ -32,7 +32,7 @@ void add_unknowns(TrimmedModel& model) {
 
 int main(int argc, char** argv) try {
   if (argc < 3) {
-    std::fputs("usage: write_synthetic_model box|rotated|fine|large FILE [spans per side | unknowns]\n", stderr);
+    std::fputs("usage: write_synthetic_model box|rotated|fine|large FILE [spans per side | optional]\n", stderr);
     return 2;
   }
   const std::string_view kind = argv[1];
@@ -44,7 +44,10 @@ int main(int argc, char** argv) try {
   if (kind == "fine") box = test::very_fine_case();
   TrimmedModel model =
       kind == "large" ? test::make_large_model(argc > 3 ? std::atoll(argv[3]) : 60) : test::make_box_model(box);
-  if (argc > 3 && std::string_view(argv[3]) == "unknowns") add_unknowns(model);
+  if (argc > 3 && std::string_view(argv[3]) == "optional") { // the groups that files may lack
+    add_unknowns(model);
+    test::add_places(model);
+  }
   const auto seconds = [](auto work) {
     const auto start = std::chrono::steady_clock::now();
     work();

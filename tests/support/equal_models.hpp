@@ -78,6 +78,11 @@ inline void expect_equal(const TrimmedModel& a, const TrimmedModel& b) {
   EXPECT_EQ(a.surface.quadrature.weights, b.surface.quadrature.weights);
   EXPECT_EQ(a.surface.quadrature.normals, b.surface.quadrature.normals);
   EXPECT_EQ(a.surface.quadrature.triangle, b.surface.quadrature.triangle);
+  EXPECT_EQ(a.curves.names, b.curves.names);
+  EXPECT_EQ(a.curves.offsets, b.curves.offsets);
+  EXPECT_EQ(a.curves.points, b.curves.points);
+  EXPECT_EQ(a.markers.names, b.markers.names);
+  EXPECT_EQ(a.markers.positions, b.markers.positions);
   expect_equal(a.provenance, b.provenance);
 }
 

@@ -247,6 +247,14 @@ TrimmedModel make_box_model(const BoxCase& box) {
   return m;
 }
 
+void add_places(TrimmedModel& m) {
+  m.curves.names = {"edge 1", "rim größe"};
+  m.curves.offsets = {0, 3, 7};
+  m.curves.points = {{1.25, 1.5, 1}, {4.25, 1.5, 1}, {4.25, 3.5, 1}, {1, 1, 1}, {4, 1, 1}, {4, 5, 1}, {1, 1, 1}};
+  m.markers.names = {"vertex 1", "vertex 2"};
+  m.markers.positions = {{1.25, 1.5, 1}, {1.5, 2.5, 3.5}};
+}
+
 BoxCase very_fine_case() {
   return {{0, 0, 0},          {1'900'000, 2, 2}, {1'900'000, 2, 2}, {1, 1, 1},
           some_rotation(0.4), {7.25, 0.5, 0.5},  {11.5, 1.5, 1.25}};

@@ -26,6 +26,9 @@ TrimmedModel make_large_model(std::int64_t n);
 /// A small box in a grid too fine for a table of control points.
 BoxCase very_fine_case();
 
+/// Gives a model a curve of three points, a closed one and two markers.
+void add_places(TrimmedModel& model);
+
 /// Gauss–Legendre on [0, 1] with n = 1 … 5 points: (position, weight).
 std::vector<std::pair<double, double>> gauss_rule(int n);
 

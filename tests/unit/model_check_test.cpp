@@ -46,6 +46,16 @@ TEST(ModelCheck, SpellsOutOnlyTheFirstOfAKind) {
   EXPECT_NE(text.find("quadrature/weights: 646 more of this kind"), std::string::npos) << text;
 }
 
+TrimmedModel with_places() {
+  TrimmedModel m = make_box_model();
+  test::add_places(m);
+  return m;
+}
+
+TEST(ModelCheck, AcceptsCurvesAndMarkers) {
+  EXPECT_EQ(all_of(check(with_places())), "");
+}
+
 struct Fault {
   const char* name;
   std::function<void(TrimmedModel&)> make;
@@ -111,13 +121,23 @@ const Fault faults[]{
        for (double& n : m.surface.quadrature.normals) n = -n;
      },
      "∮ x·n dA / 3"},
+    {"CurveNameTwice", [](auto& m) { m.curves.names[1] = m.curves.names[0]; }, "'edge 1' stands there twice"},
+    {"CurveWithoutName", [](auto& m) { m.curves.names[1].clear(); }, "name 1 is empty"},
+    {"CurveOfOnePoint", [](auto& m) { m.curves.offsets[1] = 6; }, "'rim größe' has 1 points, expected two"},
+    {"CurveOffsetsShort", [](auto& m) { m.curves.offsets.pop_back(); }, "2 offsets for 2 names"},
+    {"CurvePointsShort", [](auto& m) { m.curves.points.pop_back(); }, "the last offset is 7"},
+    {"CurveWithoutLength", [](auto& m) { m.curves.points[1] = m.curves.points[2] = m.curves.points[0]; },
+     "'edge 1' has no length"},
+    {"CurveNaN", [](auto& m) { m.curves.points[3][1] = nan; }, "curves: point 3 is"},
+    {"MarkerNaN", [](auto& m) { m.markers.positions[0][2] = nan; }, "markers: point 0 is"},
+    {"MarkerWithoutPosition", [](auto& m) { m.markers.positions.pop_back(); }, "1 positions for 2 names"},
     {"OffItsTriangle", [](auto& m) { m.surface.quadrature.triangle[0] = 3; }, "off its triangle"},
 };
 
 class ModelCheckFaults : public testing::TestWithParam<Fault> {};
 
 TEST_P(ModelCheckFaults, IsNamed) {
-  TrimmedModel m = make_box_model();
+  TrimmedModel m = with_places();
   GetParam().make(m);
   const auto text = all_of(check(m));
   EXPECT_NE(text.find(GetParam().words), std::string::npos) << "found: " << text;

@@ -59,7 +59,8 @@ TrimmedModel placed(TrimmedModel model, const Placement& placement) {
   each_row(model.surface.vertex_parameters, shifted);
   each_row(model.surface.quadrature.parameters, shifted);
   each_row(model.surface.quadrature.normals, [&](const Point3& n) { return placement.turned(n); });
-  for (Point3& x : model.surface.mesh.vertices) x = placement.moved(x);
+  for (std::vector<Point3>* points : {&model.surface.mesh.vertices, &model.curves.points, &model.markers.positions})
+    for (Point3& x : *points) x = placement.moved(x);
   return model;
 }
 
