@@ -21,6 +21,9 @@ const char* const examples = R"(Examples:
   igaprep part.stl                                       grid of a twentieth of the longest side, writes part.h5
   igaprep part.stl -o part.h5 --degree 2 --span-size 10 --length-unit mm
   igaprep part.stl --box 0 0 0 350 190 300 --spans 35 19 30 --moment-degree 2p
+  igaprep part.step --list                               faces of a CAD file: names, types, areas, places
+  igaprep part.step --span-size 4                        in the file's length unit; every face is a region
+  igaprep assembly.step -o models/                       one model for each solid, and a run file to fill in
   igaprep broken.stl --repair                            may change the shape where the surface is open or crosses itself
   igaprep part.stl --quadrature ggq-reduced              fewest points inside at degree 2; ggq is exact, like gauss
   igaprep prep.toml --span-size 5 --force                settings from a file, flags override them
@@ -93,6 +96,7 @@ template <class T> std::vector<T> list_of(const std::string& flag, const std::st
 
 std::string group_of(std::string_view table) {
   if (table.empty()) return "Files and units";
+  if (table == "cad") return "CAD files";
   if (table == "surface") return "Surface";
   return table == "grid" ? "Grid" : "Trimming and quadrature";
 }
@@ -133,7 +137,7 @@ std::string settings_keys() {
 }
 
 void add_options(CLI::App& app, Raw& raw, TypedSettings& t, CommandLine& line) {
-  app.add_option("file", raw.file, "Surface (.stl, .obj, .ply, .off) or settings file (.toml)");
+  app.add_option("file", raw.file, "Surface (.stl, .obj, .ply, .off), CAD file (.step, .iges, .brep) or settings file (.toml)");
   each_setting([&](const auto& setting) {
     CLI::Option* option = add(app, raw, setting, t.*setting.member)->group(group_of(setting.table));
     if (*setting.value != 0) option->type_name(setting.value);
@@ -142,6 +146,9 @@ void add_options(CLI::App& app, Raw& raw, TypedSettings& t, CommandLine& line) {
   app.add_option("--threads", line.threads, "Number of threads [all]")->check(CLI::Range(1, 4096))->group(running);
   app.add_flag("--force", line.force, "Replace an output file that does not match")->group(running);
   app.add_flag("--quiet", line.quiet, "Print errors only")->group(running);
+  app.add_flag("--list", line.list, "Print the solids and faces of a CAD file, with area, type, place; write nothing")
+      ->group(running);
+  app.add_flag("--list-edges", line.list_edges, "The same with edges and vertices")->group(running);
   app.add_flag("--json", line.json, "Report as one JSON object on stdout")->group(running);
   app.set_version_flag("--version", std::string("igaprep ") + program_version())->group(running);
   app.footer(examples + settings_keys() + exit_codes);

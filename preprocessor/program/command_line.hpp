@@ -12,6 +12,7 @@ struct CommandLine {
   std::filesystem::path settings_file; ///< empty where there is none
   std::optional<int> threads;
   bool force = false, quiet = false, json = false;
+  bool list = false, list_edges = false; ///< what a CAD file holds, instead of a model
   std::string text; ///< as typed, for the provenance
 };
 

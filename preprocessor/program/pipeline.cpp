@@ -24,6 +24,7 @@
 #include <malloc.h>
 #include <numeric>
 #include <unistd.h>
+#include <utility>
 
 namespace iga::prep {
 
@@ -194,9 +195,32 @@ Provenance provenance_of(const Settings& s, const RunInfo& run, const std::strin
   return p;
 }
 
+// What a part was read from, without its facets.
+ReadMesh without_facets(const ReadMesh& read) {
+  return {{}, {}, read.format, read.file, read.sha256, {}};
+}
+
+// The part of the input file: triangles, or the solid that the settings choose.
+Part read_part(const Settings& s) {
+  if (is_cad_file(s.input)) {
+    const CadModel cad = read_cad_file(s, [] { return io::pending_signal() != 0; });
+    io::stop_if_interrupted();
+    return part_of(cad, choose_solid(cad, s), s.input);
+  }
+  if (s.cad.any())
+    throw InputError(fmt::format("{}: chord, solid, merge and sew are for CAD files (STEP, IGES, BREP); leave them out for "
+                                 "a file of triangles",
+                                 s.input.string()));
+  Part part;
+  part.read = read_mesh(s.input, s.scale);
+  return part;
+}
+
 // Everything after the surface: grid, trimming, points, checks, file.
-PrepReport make_model(const Settings& s, const RunInfo& run, const PreparedSurface& surface,
-                      const std::string& input_sha256, PrepReport report, Stages& stages, io::Progress& progress) {
+PrepReport make_model(const Settings& s, const RunInfo& run, const PreparedSurface& surface, const Part& part,
+                      PrepReport report, Stages& stages, io::Progress& progress) {
+  append(report.findings, part.findings);
+  append(report.warnings, part.warnings);
   report.bodies = surface.bodies;
   report.cavities = surface.cavities;
   append(report.findings, surface.findings);
@@ -205,7 +229,9 @@ PrepReport make_model(const Settings& s, const RunInfo& run, const PreparedSurfa
   const SurfaceTreatment treatment{s.surface.repair, surface.wrapped, s.surface.accept_leaks, surface.open};
   TrimmedModel model;
   model.title = s.title;
-  model.length_unit = s.length_unit;
+  model.length_unit = part.length_unit.empty() ? s.length_unit : part.length_unit;
+  model.curves = part.curves;
+  model.markers = part.markers;
   model.grid = stages.run("grid", [&] { return choose_grid(s, surface.mesh, progress, report); });
   Trimming trimming = stages.run("trim", [&] { return trim(model.grid, surface.mesh, s.trim); });
   return_free_memory();
@@ -256,7 +282,7 @@ PrepReport make_model(const Settings& s, const RunInfo& run, const PreparedSurfa
     if (const std::string outside = describe(find_points_outside(model, tree), model); !outside.empty())
       throw std::logic_error(fmt::format("a point lies outside the part, nothing was written: {}", outside));
   });
-  model.provenance = provenance_of(s, run, input_sha256, report, stages);
+  model.provenance = provenance_of(s, run, part.read.sha256, report, stages);
   stages.run("write", [&] { io::write_model(s.output, model); });
   report.timings = stages.timings;
   report.peak_memory_mib = peak_memory_mib();
@@ -269,7 +295,8 @@ std::string settings_hash(const Settings& settings) {
   return io::sha256_text(canonical_text(settings) + "version = " + program_version() + "\n");
 }
 
-PrepReport run_pipeline(const Settings& s, const RunInfo& run, io::Progress& progress) {
+PrepReport run_pipeline(const Settings& s, const RunInfo& run, io::Progress& progress,
+                        const std::function<Part()>& make_part) {
   PrepReport report;
   report.input = s.input.string();
   report.output = s.output.string();
@@ -283,26 +310,24 @@ PrepReport run_pipeline(const Settings& s, const RunInfo& run, io::Progress& pro
   const io::OutputClaim claim(plan, inputs);
 
   Stages stages(progress);
-  ReadMesh read = stages.run("read", [&] { return read_mesh(s.input, s.scale); });
-  report.format = read.format;
-  const std::string input_sha256 = read.sha256;
+  Part part = stages.run("read", [&] { return make_part ? make_part() : read_part(s); });
+  report.format = part.read.format;
   SurfaceOptions options = s.surface;
   options.progress = [&](std::int64_t done, std::int64_t total) { progress.update(done, total); };
-  if (!s.surface.wrap) {
-    const PreparedSurface surface = stages.run("surface", [&] { return prepare_surface(std::move(read), options); });
-    return make_model(s, run, surface, input_sha256, std::move(report), stages, progress);
-  }
-  // What only the trimming finds amiss is wrapped too.
-  const PreparedSurface surface = stages.run("surface", [&] { return prepare_surface(read, options); });
+  // Wrapping may need the facets once more, where only the trimming finds something amiss.
+  const PreparedSurface surface = stages.run("surface", [&] {
+    return prepare_surface(s.surface.wrap ? part.read : std::exchange(part.read, without_facets(part.read)), options);
+  });
+  if (!s.surface.wrap) return make_model(s, run, surface, part, std::move(report), stages, progress);
   std::string reason;
   try {
-    return make_model(s, run, surface, input_sha256, report, stages, progress);
+    return make_model(s, run, surface, part, report, stages, progress);
   } catch (const SurfaceFault& fault) {
     if (surface.wrapped) throw;
     reason = fault.what();
   }
-  const PreparedSurface wrapped = stages.run("wrap", [&] { return wrap_around(std::move(read), options, reason); });
-  return make_model(s, run, wrapped, input_sha256, std::move(report), stages, progress);
+  const PreparedSurface wrapped = stages.run("wrap", [&] { return wrap_around(part.read, options, reason); });
+  return make_model(s, run, wrapped, part, std::move(report), stages, progress);
 }
 
 } // namespace iga::prep

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "format/io/progress.hpp"
+#include "preprocessor/program/part_source.hpp"
 #include "preprocessor/program/report.hpp"
 #include "preprocessor/program/settings.hpp"
 
@@ -18,7 +19,9 @@ struct RunInfo {
 /// there, does nothing but say so (PrepReport::reused).
 /// @throws InputError, FormatError, NumericalError, io::Interrupted; nothing is written then, and what stood there
 /// stays
-PrepReport run_pipeline(const Settings& settings, const RunInfo& run, io::Progress& progress);
+/// @param part  the part, called at most once and not where the file stands already; without it the input file is read
+PrepReport run_pipeline(const Settings& settings, const RunInfo& run, io::Progress& progress,
+                        const std::function<Part()>& part = {});
 
 /// Hash of the settings that affect data, together with the producer's version.
 std::string settings_hash(const Settings& settings);

@@ -163,6 +163,25 @@ QuadratureOptions quadrature_options(const TypedSettings& typed, const std::arra
   return quadrature;
 }
 
+CadSettings cad_settings(const TypedSettings& typed) {
+  CadSettings cad;
+  cad.chord = typed.chord;
+  if (cad.chord) require(positive(*cad.chord), "chord", *cad.chord, "it is a length and must be positive");
+  cad.sew = typed.sew.value_or(0);
+  if (typed.sew) require(positive(cad.sew), "sew", cad.sew, "it is a length and must be positive");
+  cad.merge = typed.merge.value_or(false);
+  cad.solid = typed.solid.value_or("");
+  if (typed.solid && cad.solid.empty()) throw InputError("solid is empty; give the name of a solid (--list shows them)");
+  if (cad.merge && !cad.solid.empty())
+    throw InputError("merge takes all solids and solid one of them: leave one out");
+  return cad;
+}
+
+// A folder stands there already, or the name ends like one.
+bool names_folder(const std::filesystem::path& output) {
+  return !output.empty() && (output.filename().empty() || std::filesystem::is_directory(output));
+}
+
 } // namespace
 
 TypedSettings override_settings(TypedSettings base, const TypedSettings& over) {
@@ -182,13 +201,15 @@ Settings validate(const TypedSettings& typed) {
     throw InputError("no surface file is given; name one on the command line or as input in the settings file");
   s.input = *typed.input;
   s.output = typed.output.value_or(s.input.stem().string() + ".h5");
-  if (s.output.empty() || s.output.filename().empty())
+  s.output_is_folder = names_folder(s.output);
+  if (s.output.empty())
     throw InputError(fmt::format("output = \"{}\": this is no file name", s.output.string()));
   s.scale = typed.scale.value_or(1);
   require(positive(s.scale), "scale", s.scale, "the factor on all coordinates must be positive");
   s.length_unit = typed.length_unit.value_or(s.length_unit);
   if (s.length_unit.empty()) throw InputError("length_unit is empty; give a label such as mm, or leave it out");
   s.title = typed.title.value_or(s.input.stem().string());
+  s.cad = cad_settings(typed);
   s.surface = surface_options(typed);
   s.grid = grid_options(typed);
   s.optimise_offset = typed.optimise_offset.value_or(false);

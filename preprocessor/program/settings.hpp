@@ -19,6 +19,9 @@ struct TypedSettings {
   std::optional<std::filesystem::path> input, output;
   std::optional<double> scale;
   std::optional<std::string> length_unit, title;
+  std::optional<double> chord, sew;
+  std::optional<bool> merge;
+  std::optional<std::string> solid;
   std::optional<bool> repair, wrap, accept_leaks;
   std::optional<double> wrap_alpha, wrap_offset, region_angle;
   std::optional<std::vector<double>> box;          ///< 6
@@ -37,12 +40,23 @@ struct TypedSettings {
   std::optional<bool> rank_bound;
 };
 
+/// What only CAD files know.
+struct CadSettings {
+  std::optional<double> chord; ///< largest distance of facets from the faces, length; default: span size / 1000
+  double sew = 0;              ///< gap across which faces without a solid are joined, length; 0: they are refused
+  bool merge = false;          ///< one model of all solids
+  std::string solid;           ///< name of the one to take; empty: the only one
+  bool any() const { return chord || sew > 0 || merge || !solid.empty(); }
+};
+
 /// Complete settings; every value is in its range.
 struct Settings {
   std::filesystem::path input;
-  std::filesystem::path output;
+  std::filesystem::path output; ///< a file, or a folder for one model of each solid
+  bool output_is_folder = false;
   double scale = 1;
-  std::string length_unit = "unspecified";
+  std::string length_unit = "unspecified"; ///< a label; CAD files are converted to it
+  CadSettings cad;
   std::string title;
   SurfaceOptions surface;
   GridOptions grid;

@@ -79,9 +79,27 @@ template <class Visit> void each_setting(Visit&& visit) {
                         "Factor on all coordinates [1]"});
   visit(Setting<std::string>{"", "length_unit", &T::length_unit,
                              [](C& c, const S& s) { c.line("length_unit", s.length_unit); }, "",
-                             "Label of the length unit, e.g. mm"});
+                             "Label of the length unit, e.g. mm; CAD files are converted to it [theirs]"});
   visit(Setting<std::string>{"", "title", &T::title, [](C& c, const S& s) { c.line("title", s.title); }, "",
-                             "Title in the file [name of the surface]"});
+                             "Title in the file [name of the surface, or of the solid]"});
+
+  visit(Setting<double>{"cad", "chord", &T::chord, [](C& c, const S& s) { c.optional("chord", s.cad.chord); }, "",
+                        "Largest distance of facets from a CAD face, length [span size / 1000]"});
+  visit(Setting<std::string>{"cad", "solid", &T::solid,
+                             [](C& c, const S& s) {
+                               if (!s.cad.solid.empty()) c.line("solid", s.cad.solid);
+                             },
+                             "NAME", "The solid to take from a CAD file with several (--list shows them)"});
+  visit(Setting<bool>{"cad", "merge", &T::merge,
+                      [](C& c, const S& s) {
+                        if (s.cad.merge) c.line("merge", true);
+                      },
+                      "", "One model of all solids of a CAD file, which must touch"});
+  visit(Setting<double>{"cad", "sew", &T::sew,
+                        [](C& c, const S& s) {
+                          if (s.cad.sew > 0) c.line("sew", s.cad.sew);
+                        },
+                        "", "Join CAD faces without a solid across gaps up to this length"});
 
   visit(Setting<bool>{"surface", "repair", &T::repair, [](C& c, const S& s) { c.line("repair", s.surface.repair); }, "",
                       "Allow changes of shape: fill holes, resolve self-intersections, unite bodies"});

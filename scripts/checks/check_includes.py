@@ -16,8 +16,8 @@ LAYERS = {  # folder: what its files may include from this repository
 }
 # Folders of a tool in order: files include from their own folder and from those before it.
 ORDER = {
-    "preprocessor": ["base", "surface", "trim", "connectivity", "interior", "fit", "reduce", "quadrature", "walls",
-                     "program"],
+    "preprocessor": ["base", "cad", "surface", "trim", "connectivity", "interior", "fit", "reduce", "quadrature", "walls",
+                     "program", "cad/occt"],
     "solver": ["base", "space", "linalg", "mechanics", "output", "supports", "analysis", "report", "explicit/simd",
                "explicit/laws", "explicit/kernel", "explicit/motion", "explicit/contact", "explicit/loads",
                "explicit/run", "program"],

@@ -57,6 +57,17 @@ iga_find_library(iga_mumps libmumps-seq-dev dmumps_c.h dmumps_seq)
 # CHOLMOD and MUMPS run on whatever BLAS the system has chosen; the reference BLAS is ten times slower than OpenBLAS.
 iga_find_library(iga_openblas libopenblas-dev cblas.h openblas)
 
+# Reading STEP, IGES and BREP: optional, the rest builds and runs without.
+find_package(OpenCASCADE QUIET)
+if(OpenCASCADE_FOUND)
+  add_library(iga_opencascade INTERFACE)
+  target_include_directories(iga_opencascade SYSTEM INTERFACE ${OpenCASCADE_INCLUDE_DIR})
+  target_link_libraries(iga_opencascade INTERFACE TKXDESTEP TKSTEP TKXDEIGES TKIGES TKXSBase TKXCAF TKLCAF TKCAF TKCDF TKMesh
+    TKShHealing TKBO TKTopAlgo TKBRep TKG3d TKG2d TKGeomBase TKMath TKernel)
+else()
+  message(STATUS "OpenCASCADE was not found: igaprep will read no STEP, IGES and BREP. On Debian: apt-get install libocct-data-exchange-dev")
+endif()
+
 if(IGA_BUILD_TESTS)
   find_package(GTest QUIET)
   iga_need(GTest_FOUND libgtest-dev "GoogleTest")

@@ -1,0 +1,28 @@
+// What igaprep and its CAD reader, a program of its own, hand to each other: request and answer as bytes.
+#pragma once
+
+#include "preprocessor/cad/cad_model.hpp"
+
+#include <string>
+#include <string_view>
+
+namespace iga::prep {
+
+struct CadRequest {
+  std::string file;
+  CadOptions options;
+};
+
+/// The model, or what went wrong.
+struct CadAnswer {
+  std::string error; ///< text of the InputError; empty where there is a model
+  CadModel model;
+};
+
+std::string to_bytes(CadRequest request);
+std::string to_bytes(CadAnswer answer);
+/// @throws std::runtime_error where the bytes end early
+CadRequest request_of(std::string_view bytes);
+CadAnswer answer_of(std::string_view bytes);
+
+} // namespace iga::prep
