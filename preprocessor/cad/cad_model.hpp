@@ -12,20 +12,20 @@ namespace iga::prep {
 
 /// A face of the boundary: one region of the surface.
 struct CadFace {
-  std::string name;   ///< as in the file, else "face 12"; no two of a solid are equal
-  std::string kind;   ///< "plane", "cylinder", "bore", "cone", "sphere", "torus", "spline" …; a bore is a hollow cylinder
-  std::string colour; ///< "#rrggbb", empty where the file gives none
-  double area = 0;    ///< exact, length²
-  Point3 centroid{};  ///< of the exact face, length
-  Point3 direction{}; ///< plane: outward normal; cylinder, cone, torus: axis; else zero
+  std::string name; ///< as in the file, else "face 12"; no two of a solid are equal
+  std::string kind; ///< "plane", "cylinder", "bore", "cone", "sphere", "torus", "spline" …; a bore is a hollow cylinder
+  std::string colour;  ///< "#rrggbb", empty where the file gives none
+  double area = 0;     ///< exact, length²
+  Point3 centroid{};   ///< of the exact face, length
+  Point3 direction{};  ///< plane: outward normal; cylinder, cone, torus: axis; else zero
   Point3 axis_point{}; ///< a point of the axis, or the sphere's centre; else zero
   double radius = 0;   ///< cylinder, sphere; torus: the larger one; cone: at axis_point; else zero
 };
 
 /// An edge of the boundary, as corners of a polyline that consists of edges of the facets.
 struct CadEdge {
-  std::string name; ///< as in the file, else "edge 7"
-  std::string kind; ///< "line", "circle", "ellipse", "spline" …
+  std::string name;  ///< as in the file, else "edge 7"
+  std::string kind;  ///< "line", "circle", "ellipse", "spline" …
   double length = 0; ///< exact
   double radius = 0; ///< circle; else zero
   std::vector<Point3> points;
@@ -51,10 +51,10 @@ struct CadSolid {
   std::vector<CadFace> faces;
   std::vector<CadEdge> edges;
   std::vector<CadVertex> vertices;
-  double volume = 0, area = 0; ///< exact: length³, length²
-  Point3 centroid{};           ///< exact
-  double chord = 0;            ///< what was asked for, length
-  double deviation = 0;        ///< largest distance found between the facets and the exact faces, length
+  double volume = 0, area = 0;  ///< exact: length³, length²
+  Point3 centroid{};            ///< exact
+  double chord = 0;             ///< what was asked for, length
+  double deviation = 0;         ///< largest distance found between the facets and the exact faces, length
   std::vector<CadPlace> places; ///< at least one; an identity where it stands once
 };
 

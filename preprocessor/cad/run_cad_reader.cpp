@@ -90,7 +90,8 @@ CadModel run_cad_reader(const fs::path& file, const CadOptions& options, const s
   char* const arguments[] = {name.data(), number.data(), nullptr};
   pid_t reader = 0;
   if (const int error = posix_spawn(&reader, name.c_str(), nullptr, nullptr, arguments, environ); error != 0)
-    throw InputError(fmt::format("{}: the CAD reader {} cannot be started: {}", file.string(), name, std::strerror(error)));
+    throw InputError(
+        fmt::format("{}: the CAD reader {} cannot be started: {}", file.string(), name, std::strerror(error)));
   const std::optional<int> status = wait_for(reader, stop);
   if (!status) return {};
   if (WIFSIGNALED(*status))

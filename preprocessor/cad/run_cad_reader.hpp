@@ -11,6 +11,7 @@ namespace iga::prep {
 /// @param stop  asked every few milliseconds: true ends the reader, and this function by an empty model
 /// @throws InputError for what the reader refuses, for a file that brings it down, and where this igaprep was built
 /// without OpenCASCADE
-CadModel run_cad_reader(const std::filesystem::path& file, const CadOptions& options, const std::function<bool()>& stop);
+CadModel run_cad_reader(const std::filesystem::path& file, const CadOptions& options,
+                        const std::function<bool()>& stop);
 
 } // namespace iga::prep

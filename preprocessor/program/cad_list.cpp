@@ -10,8 +10,10 @@ namespace iga::prep {
 
 namespace {
 
-std::string text(const Point3& p) {
-  return fmt::format("({:.6g}, {:.6g}, {:.6g})", p[0] + 0.0, p[1] + 0.0, p[2] + 0.0);
+// Rounding beside `size` is shown as zero.
+std::string text(const Point3& p, double size) {
+  const auto tidy = [&](double x) { return std::abs(x) < 1e-9 * size ? 0.0 : x; };
+  return fmt::format("({:.6g}, {:.6g}, {:.6g})", tidy(p[0]), tidy(p[1]), tidy(p[2]));
 }
 
 bool is_zero(const Point3& p) {
@@ -19,14 +21,15 @@ bool is_zero(const Point3& p) {
 }
 
 // "normal (0, 0, 1)", "radius 4, axis (0, 0, 1) through (10, 0, 0)".
-std::string shape_of(const CadFace& face) {
-  if (face.kind == "plane") return "normal " + text(face.direction);
+std::string shape_of(const CadFace& face, double size) {
+  if (face.kind == "plane") return "normal " + text(face.direction, 1);
   std::string words;
   if (face.radius > 0) words = fmt::format("radius {:.6g}", face.radius);
   if (!is_zero(face.direction))
-    words += fmt::format("{}axis {} through {}", words.empty() ? "" : ", ", text(face.direction), text(face.axis_point));
+    words += fmt::format("{}axis {} through {}", words.empty() ? "" : ", ", text(face.direction, 1),
+                         text(face.axis_point, size));
   else if (face.kind == "sphere")
-    words += ", centre " + text(face.axis_point);
+    words += ", centre " + text(face.axis_point, size);
   return words;
 }
 
@@ -79,15 +82,17 @@ std::string cad_list_text(const CadModel& cad, const std::string& file, bool edg
                                 unit.empty() ? "length unit unspecified" : "lengths in " + unit, cad.solids.size(),
                                 cad.solids.size() == 1 ? "solid" : "solids");
   for (const CadSolid& solid : cad.solids) {
+    const double size = std::sqrt(solid.area);
     out += fmt::format("\nsolid \"{}\"{}: volume {:.8g}, area {:.8g}, centroid {}{}\n", solid.name,
-                       solid.colour.empty() ? "" : " " + solid.colour, solid.volume, solid.area, text(solid.centroid),
+                       solid.colour.empty() ? "" : " " + solid.colour, solid.volume, solid.area,
+                       text(solid.centroid, size),
                        solid.places.size() > 1 ? fmt::format(", at {} places", solid.places.size()) : "");
     const int width = width_of(solid.faces);
-    out += fmt::format("  {:<{}}  {:<9} {:>13}  {:<7}  {:<34} {}\n", "face", width, "type", "area", "colour", "centroid",
-                       "shape");
+    out += fmt::format("  {:<{}}  {:<9} {:>13}  {:<7}  {:<34} {}\n", "face", width, "type", "area", "colour",
+                       "centroid", "shape");
     for (const CadFace& face : solid.faces)
       out += fmt::format("  {:<{}}  {:<9} {:>13.8g}  {:<7}  {:<34} {}\n", face.name, width, face.kind, face.area,
-                         face.colour, text(face.centroid), shape_of(face));
+                         face.colour, text(face.centroid, size), shape_of(face, size));
     if (!edges) continue;
     const int edge_width = width_of(solid.edges);
     out += fmt::format("  {:<{}}  {:<9} {:>13}\n", "edge", edge_width, "type", "length");
@@ -97,7 +102,7 @@ std::string cad_list_text(const CadModel& cad, const std::string& file, bool edg
     const int vertex_width = width_of(solid.vertices);
     out += fmt::format("  {:<{}}  position\n", "vertex", vertex_width);
     for (const CadVertex& vertex : solid.vertices)
-      out += fmt::format("  {:<{}}  {}\n", vertex.name, vertex_width, text(vertex.position));
+      out += fmt::format("  {:<{}}  {}\n", vertex.name, vertex_width, text(vertex.position, size));
   }
   for (const std::string& finding : cad.findings) out += fmt::format("found       {}\n", finding);
   return out;

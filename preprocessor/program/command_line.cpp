@@ -137,7 +137,8 @@ std::string settings_keys() {
 }
 
 void add_options(CLI::App& app, Raw& raw, TypedSettings& t, CommandLine& line) {
-  app.add_option("file", raw.file, "Surface (.stl, .obj, .ply, .off), CAD file (.step, .iges, .brep) or settings file (.toml)");
+  app.add_option("file", raw.file,
+                 "Surface (.stl, .obj, .ply, .off), CAD file (.step, .iges, .brep) or settings file (.toml)");
   each_setting([&](const auto& setting) {
     CLI::Option* option = add(app, raw, setting, t.*setting.member)->group(group_of(setting.table));
     if (*setting.value != 0) option->type_name(setting.value);

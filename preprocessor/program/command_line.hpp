@@ -13,7 +13,7 @@ struct CommandLine {
   std::optional<int> threads;
   bool force = false, quiet = false, json = false;
   bool list = false, list_edges = false; ///< what a CAD file holds, instead of a model
-  std::string text; ///< as typed, for the provenance
+  std::string text;                      ///< as typed, for the provenance
 };
 
 /// @returns nothing where --help or --version has been answered

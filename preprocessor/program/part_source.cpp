@@ -36,7 +36,8 @@ CadOptions cad_options(const Settings& s) {
   } else if (grid.box && !grid.spans.empty()) {
     double size = 0;
     for (std::size_t d = 0; d < 3; ++d) size = std::max(size, (*grid.box)[1][d] - (*grid.box)[0][d]);
-    options.chord = chord_per_span * size / static_cast<double>(*std::max_element(grid.spans.begin(), grid.spans.end()));
+    options.chord =
+        chord_per_span * size / static_cast<double>(*std::max_element(grid.spans.begin(), grid.spans.end()));
   } else {
     const double spans = grid.spans.empty()
                              ? default_spans
@@ -88,10 +89,11 @@ const CadSolid& choose_solid(const CadModel& cad, const Settings& s) {
   if (cad.solids.size() == 1 && only.places.size() == 1) return only;
   std::size_t places = 0;
   for (const CadSolid& solid : cad.solids) places += solid.places.size();
-  throw InputError(fmt::format("{}: the file holds {} solids ({}{}); choose one with --solid NAME, write one model for each "
-                               "with -o folder/, or unite those that touch and are of one material with --merge",
-                               s.input.string(), places, fmt::join(names_of(cad), ", "),
-                               places > cad.solids.size() ? ", some at several places" : ""));
+  throw InputError(
+      fmt::format("{}: the file holds {} solids ({}{}); choose one with --solid NAME, write one model for each "
+                  "with -o folder/, or unite those that touch and are of one material with --merge",
+                  s.input.string(), places, fmt::join(names_of(cad), ", "),
+                  places > cad.solids.size() ? ", some at several places" : ""));
 }
 
 Part part_of(const CadModel& cad, const CadSolid& solid, const std::filesystem::path& file) {
@@ -107,11 +109,12 @@ Part part_of(const CadModel& cad, const CadSolid& solid, const std::filesystem::
   if (cad.file_unit != cad.length_unit && cad.file_unit != "unspecified")
     part.findings.push_back(fmt::format("converted from {} to {}", cad.file_unit, cad.length_unit));
   const double volume = volume_moments(solid.mesh).volume;
-  part.findings.push_back(fmt::format(
-      "{} faces tessellated to a chord of {:.3g}{} (largest distance found {:.2g}): volume {}, area {} against the exact "
-      "{:.8g} and {:.8g}",
-      solid.faces.size(), solid.chord, unit, solid.deviation, signed_per_cent(volume, solid.volume),
-      signed_per_cent(surface_area(solid.mesh), solid.area), solid.volume, solid.area));
+  part.findings.push_back(fmt::format("{} faces tessellated to a chord of {:.3g}{} (largest distance found {:.2g}): "
+                                      "volume {}, area {} against the exact "
+                                      "{:.8g} and {:.8g}",
+                                      solid.faces.size(), solid.chord, unit, solid.deviation,
+                                      signed_per_cent(volume, solid.volume),
+                                      signed_per_cent(surface_area(solid.mesh), solid.area), solid.volume, solid.area));
   if (std::abs(volume / solid.volume - 1) > warned_volume_share)
     part.warnings.push_back(fmt::format("the facets hold {} of the exact volume ({:.6g} instead of {:.6g}): a smaller "
                                         "--chord than {:.3g} follows the faces more closely",
@@ -119,8 +122,9 @@ Part part_of(const CadModel& cad, const CadSolid& solid, const std::filesystem::
   for (const CadOverlap& overlap : cad.overlaps)
     for (const CadPlace& place : solid.places)
       if (place.name == overlap.first || place.name == overlap.second)
-        part.warnings.push_back(fmt::format("\"{}\" and \"{}\" share a volume of {:.4g}: both models hold that material",
-                                            overlap.first, overlap.second, overlap.volume));
+        part.warnings.push_back(
+            fmt::format("\"{}\" and \"{}\" share a volume of {:.4g}: both models hold that material", overlap.first,
+                        overlap.second, overlap.volume));
   part.curves.offsets = {0};
   for (const CadEdge& edge : solid.edges) {
     if (edge.points.size() < 2) continue;

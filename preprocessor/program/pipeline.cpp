@@ -208,9 +208,10 @@ Part read_part(const Settings& s) {
     return part_of(cad, choose_solid(cad, s), s.input);
   }
   if (s.cad.any())
-    throw InputError(fmt::format("{}: chord, solid, merge and sew are for CAD files (STEP, IGES, BREP); leave them out for "
-                                 "a file of triangles",
-                                 s.input.string()));
+    throw InputError(
+        fmt::format("{}: chord, solid, merge and sew are for CAD files (STEP, IGES, BREP); leave them out for "
+                    "a file of triangles",
+                    s.input.string()));
   Part part;
   part.read = read_mesh(s.input, s.scale);
   return part;

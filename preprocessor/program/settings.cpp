@@ -171,9 +171,9 @@ CadSettings cad_settings(const TypedSettings& typed) {
   if (typed.sew) require(positive(cad.sew), "sew", cad.sew, "it is a length and must be positive");
   cad.merge = typed.merge.value_or(false);
   cad.solid = typed.solid.value_or("");
-  if (typed.solid && cad.solid.empty()) throw InputError("solid is empty; give the name of a solid (--list shows them)");
-  if (cad.merge && !cad.solid.empty())
-    throw InputError("merge takes all solids and solid one of them: leave one out");
+  if (typed.solid && cad.solid.empty())
+    throw InputError("solid is empty; give the name of a solid (--list shows them)");
+  if (cad.merge && !cad.solid.empty()) throw InputError("merge takes all solids and solid one of them: leave one out");
   return cad;
 }
 
@@ -202,8 +202,7 @@ Settings validate(const TypedSettings& typed) {
   s.input = *typed.input;
   s.output = typed.output.value_or(s.input.stem().string() + ".h5");
   s.output_is_folder = names_folder(s.output);
-  if (s.output.empty())
-    throw InputError(fmt::format("output = \"{}\": this is no file name", s.output.string()));
+  if (s.output.empty()) throw InputError(fmt::format("output = \"{}\": this is no file name", s.output.string()));
   s.scale = typed.scale.value_or(1);
   require(positive(s.scale), "scale", s.scale, "the factor on all coordinates must be positive");
   s.length_unit = typed.length_unit.value_or(s.length_unit);

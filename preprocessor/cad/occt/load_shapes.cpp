@@ -4,8 +4,10 @@
 #include "format/model/errors.hpp"
 #include "preprocessor/cad/cad_format.hpp"
 
+#include <BRepBndLib.hxx>
 #include <BRepBuilderAPI_MakeSolid.hxx>
 #include <BRepBuilderAPI_Sewing.hxx>
+#include <BRepBuilderAPI_Transform.hxx>
 #include <BRepCheck_Analyzer.hxx>
 #include <BRepLib.hxx>
 #include <BRepTools.hxx>
@@ -13,17 +15,17 @@
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
 #include <Bnd_Box.hxx>
-#include <BRepBndLib.hxx>
 #include <IGESCAFControl_Reader.hxx>
 #include <IGESData_IGESModel.hxx>
 #include <Interface_Static.hxx>
 #include <Message.hxx>
 #include <Message_Messenger.hxx>
 #include <Message_Printer.hxx>
-#include <STEPCAFControl_Reader.hxx>
 #include <Quantity_Color.hxx>
+#include <STEPCAFControl_Reader.hxx>
 #include <ShapeBuild_ReShape.hxx>
 #include <ShapeFix_Shape.hxx>
+#include <StepData_StepModel.hxx>
 #include <StepRepr_RepresentationItem.hxx>
 #include <StepShape_FaceSurface.hxx>
 #include <TDF_LabelSequence.hxx>
@@ -127,7 +129,7 @@ class Loader {
   Loader(const std::filesystem::path& file, double sew) : file_(file.string()), sew_(sew) {}
 
   LoadedCad run(CadFormat format) {
-    const Handle(Message_Messenger) & messenger = Message::DefaultMessenger();
+    const Handle(Message_Messenger)& messenger = Message::DefaultMessenger();
     messenger->ChangePrinters().Clear();
     messenger->AddPrinter(listener_);
     if (format == CadFormat::Step)
@@ -136,20 +138,33 @@ class Loader {
       read_iges();
     else
       read_brep();
+    settle_open_faces();
     number_names();
-    if (out_.solids.empty()) refuse_without_solids();
     return std::move(out_);
   }
 
  private:
   [[noreturn]] void refuse(const std::string& text) const { throw InputError(fmt::format("{}: {}", file_, text)); }
 
-  [[noreturn]] void refuse_without_solids() const {
-    if (loose_faces_ == 0) refuse(fmt::format("{} file without any solid; export the part again as a solid", out_.format));
-    refuse(fmt::format("the {} file holds {} faces and no solid: surfaces alone enclose nothing. Export the part again as "
-                       "a solid, or join the faces: --sew LENGTH closes gaps up to that length, {:.2g} (in the unit of "
-                       "the model) is a first try",
-                       out_.format, loose_faces_, 1e-5 * loose_size_ / out_.millimetres));
+  // Faces of no solid, wherever they stand in the file: joined to solids where that is asked for, else refused, or left
+  // out where there are solids beside them.
+  void settle_open_faces() {
+    if (open_faces_ > 0 && sew_ > 0) {
+      const std::vector<TopoDS_Shape> sewn = sew();
+      for (std::size_t k = 0; k < sewn.size(); ++k)
+        add_solid(sewn[k], sewn.size() > 1 ? fmt::format("sewn {}", k + 1) : "sewn", "", "", gp_Trsf());
+    } else if (open_faces_ > 0 && out_.solids.empty()) {
+      refuse(fmt::format(
+          "the {} file holds {} faces and no solid: surfaces alone enclose nothing. Export the part again "
+          "as a solid, or join the faces: --sew LENGTH closes gaps up to that length, {:.2g} (in the file's "
+          "unit) is a first try",
+          out_.format, open_faces_, 1e-5 * diagonal_of(open_) / out_.millimetres));
+    } else if (open_faces_ > 0) {
+      out_.warnings.push_back(fmt::format(
+          "{} faces of the file belong to no solid and are left out; --sew LENGTH joins them", open_faces_));
+    }
+    if (out_.solids.empty())
+      refuse(fmt::format("{} file without any solid; export the part again as a solid", out_.format));
   }
 
   static Handle(TDocStd_Document) new_document() {
@@ -190,14 +205,17 @@ class Loader {
       return set_unit(1);
     }
     if (names.size() > 1) {
-      out_.findings.push_back(fmt::format("lengths in several units ({}), all converted to mm", fmt::join(names, ", ")));
+      out_.findings.push_back(
+          fmt::format("lengths in several units ({}), all converted to mm", fmt::join(names, ", ")));
       return set_unit(1);
     }
-    static const std::map<std::string, double> known{
-        {"millimetre", 1}, {"millimeter", 1}, {"metre", 1000}, {"meter", 1000},       {"centimetre", 10},
-        {"centimeter", 10}, {"micrometre", 1e-3}, {"inch", 25.4}, {"in", 25.4}, {"foot", 304.8}, {"ft", 304.8}};
+    static const std::map<std::string, double> known{{"millimetre", 1},    {"millimeter", 1},  {"metre", 1000},
+                                                     {"meter", 1000},      {"centimetre", 10}, {"centimeter", 10},
+                                                     {"micrometre", 1e-3}, {"inch", 25.4},     {"in", 25.4},
+                                                     {"foot", 304.8},      {"ft", 304.8}};
     std::string name = *names.begin();
-    std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    std::transform(name.begin(), name.end(), name.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     const auto found = known.find(name);
     if (found != known.end()) return set_unit(found->second);
     out_.findings.push_back(fmt::format("the file's length unit \"{}\" was converted to mm", *names.begin()));
@@ -206,7 +224,7 @@ class Loader {
 
   // A face that OpenCASCADE cannot make is left out without a word: it would be a hole.
   void judge_step_faces(const Handle(XSControl_WorkSession) & session) const {
-    const Handle(Interface_InterfaceModel) model = session->Model();
+    const Handle(StepData_StepModel) model = Handle(StepData_StepModel)::DownCast(session->Model());
     const Handle(Transfer_TransientProcess) process = session->TransferReader()->TransientProcess();
     int faces = 0, missing = 0, first = 0;
     for (int i = 1; i <= model->NbEntities(); ++i) {
@@ -214,13 +232,14 @@ class Loader {
       if (!entity->IsKind(STANDARD_TYPE(StepShape_FaceSurface))) continue;
       ++faces;
       if (!process->IsBound(entity) || TransferBRep::ShapeResult(process, entity).IsNull()) {
-        if (missing++ == 0) first = model->Number(entity);
+        if (missing++ == 0) first = model->IdentLabel(entity);
       }
     }
     if (missing > 0 && missing < faces)
-      refuse(fmt::format("{} of {} faces of the STEP file cannot be read (the first is entity {} of the file){}; export the part again, in "
-                         "AP214 or AP242",
-                         missing, faces, first, first_of(*listener_)));
+      refuse(
+          fmt::format("{} of {} faces of the STEP file cannot be read (the first is #{}){}; export the part again, in "
+                      "AP214 or AP242",
+                      missing, faces, first, first_of(*listener_)));
   }
 
   void read_iges() {
@@ -273,8 +292,7 @@ class Loader {
       return;
     }
     const TopoDS_Shape shape = XCAFDoc_ShapeTool::GetShape(label);
-    add_solids(without_location(shape), name_of(label), instance, shown,
-               place * shape.Location().Transformation());
+    add_solids(without_location(shape), name_of(label), instance, shown, place * shape.Location().Transformation());
   }
 
   // All solids of a product; what is closed without being one becomes one.
@@ -282,7 +300,7 @@ class Loader {
                   const std::string& colour, const gp_Trsf& place) {
     std::vector<TopoDS_Shape> solids;
     for (TopExp_Explorer it(shape, TopAbs_SOLID); it.More(); it.Next()) solids.push_back(it.Current());
-    for (const TopoDS_Shape& solid : solids_of_surfaces(shape)) solids.push_back(solid);
+    for (const TopoDS_Shape& solid : closed_surfaces(shape, place)) solids.push_back(solid);
     for (std::size_t k = 0; k < solids.size(); ++k) {
       const std::string suffix = solids.size() > 1 ? fmt::format("/{}", k + 1) : "";
       const gp_Trsf own = place * solids[k].Location().Transformation();
@@ -291,42 +309,31 @@ class Loader {
     }
   }
 
-  // Solids from shells and faces that belong to none.
-  std::vector<TopoDS_Shape> solids_of_surfaces(const TopoDS_Shape& shape) {
+  // Solids from closed shells that belong to none; what is open is kept for later.
+  std::vector<TopoDS_Shape> closed_surfaces(const TopoDS_Shape& shape, const gp_Trsf& place) {
     const TopTools_IndexedMapOfShape shells = loose(shape, TopAbs_SHELL, TopAbs_SOLID);
     const TopTools_IndexedMapOfShape faces = loose(shape, TopAbs_FACE, TopAbs_SHELL);
     std::vector<TopoDS_Shape> solids;
-    TopoDS_Compound open;
-    BRep_Builder builder;
-    builder.MakeCompound(open);
-    int open_faces = 0;
-    const auto add_open = [&](const TopoDS_Shape& part) {
-      builder.Add(open, part);
-      for (TopExp_Explorer it(part, TopAbs_FACE); it.More(); it.Next()) ++open_faces;
+    const auto keep = [&](const TopoDS_Shape& part) {
+      if (open_.IsNull()) BRep_Builder().MakeCompound(open_);
+      BRep_Builder().Add(open_, BRepBuilderAPI_Transform(part, place).Shape());
+      for (TopExp_Explorer it(part, TopAbs_FACE); it.More(); it.Next()) ++open_faces_;
     };
     for (int i = 1; i <= shells.Extent(); ++i)
       if (BRep_Tool::IsClosed(shells(i)))
         solids.push_back(solid_of(TopoDS::Shell(shells(i))));
       else
-        add_open(shells(i));
-    for (int i = 1; i <= faces.Extent(); ++i) add_open(faces(i));
+        keep(shells(i));
+    for (int i = 1; i <= faces.Extent(); ++i) keep(faces(i));
     if (!solids.empty())
       out_.findings.push_back(fmt::format("{} closed {} taken as solid", solids.size(),
                                           solids.size() == 1 ? "surface was" : "surfaces were"));
-    if (open_faces == 0) return solids;
-    if (!(sew_ > 0)) {
-      loose_faces_ += open_faces;
-      loose_size_ = std::max(loose_size_, diagonal_of(open));
-      return solids;
-    }
-    const std::vector<TopoDS_Shape> sewn = sew(open, open_faces);
-    solids.insert(solids.end(), sewn.begin(), sewn.end());
     return solids;
   }
 
-  std::vector<TopoDS_Shape> sew(const TopoDS_Shape& faces, int count) {
+  std::vector<TopoDS_Shape> sew() {
     BRepBuilderAPI_Sewing sewing(sew_ * out_.millimetres);
-    sewing.Add(faces);
+    sewing.Add(open_);
     sewing.Perform();
     const TopoDS_Shape result = sewing.SewedShape();
     std::vector<TopoDS_Shape> solids;
@@ -334,12 +341,12 @@ class Loader {
       for (TopExp_Explorer it(result, TopAbs_SHELL); it.More(); it.Next())
         if (BRep_Tool::IsClosed(it.Current())) solids.push_back(solid_of(TopoDS::Shell(it.Current())));
     if (solids.empty())
-      refuse(fmt::format("{} faces do not close a solid when they are joined across gaps up to {:.3g} {}: {} edges stay "
-                         "open; try a larger --sew, or mend the part in CAD",
-                         count, sew_, out_.file_unit, sewing.NbFreeEdges()));
-    out_.findings.push_back(fmt::format("{} faces were joined to {} solid{}, across gaps up to {:.3g} {}", count,
-                                        solids.size(), solids.size() == 1 ? "" : "s", sew_,
-                                        out_.file_unit));
+      refuse(fmt::format(
+          "{} faces do not close a solid when they are joined across gaps up to {:.3g}: {} edges stay open; "
+          "try a larger --sew, or mend the part in CAD",
+          open_faces_, sew_, sewing.NbFreeEdges()));
+    out_.findings.push_back(fmt::format("{} faces were joined to {} solid{}, across gaps up to {:.3g}", open_faces_,
+                                        solids.size(), solids.size() == 1 ? "" : "s", sew_));
     return solids;
   }
 
@@ -379,15 +386,17 @@ class Loader {
     if (!fixed.IsNull()) TopExp::MapShapes(fixed, TopAbs_SOLID, found);
     const std::string which = name.empty() ? fmt::format("solid {}", out_.solids.size() + 1) : name;
     if (found.Extent() == 1 && BRepCheck_Analyzer(found(1)).IsValid()) {
-      out_.findings.push_back(fmt::format("the boundary of {} was inconsistent and was healed (OpenCASCADE's ShapeFix); "
-                                          "compare volume and area with the CAD program",
-                                          which));
+      out_.findings.push_back(
+          fmt::format("the boundary of {} was inconsistent and was healed (OpenCASCADE's ShapeFix); "
+                      "compare volume and area with the CAD program",
+                      which));
       healing = fix->Context();
       return without_location(found(1));
     }
-    out_.findings.push_back(fmt::format("OpenCASCADE finds the boundary of {} inconsistent and cannot heal it; its facets "
-                                        "decide whether it is used",
-                                        which));
+    out_.findings.push_back(
+        fmt::format("OpenCASCADE finds the boundary of {} inconsistent and cannot heal it; its facets "
+                    "decide whether it is used",
+                    which));
     return solid;
   }
 
@@ -424,9 +433,22 @@ class Loader {
       solid.name = unique(solid.name.empty() ? fmt::format("solid {}", number) : solid.name);
     }
     used.clear();
-    for (LoadedSolid& solid : out_.solids)
-      for (auto& [instance, place] : solid.places)
-        instance = unique(instance.empty() || solid.places.size() == 1 ? solid.name : instance);
+    for (LoadedSolid& solid : out_.solids) {
+      int place = 0;
+      for (auto& [instance, trsf] : solid.places) {
+        ++place;
+        if (solid.places.size() == 1)
+          instance = unique(solid.name);
+        else
+          instance = unique(is_given(instance) ? instance : fmt::format("{} {}", solid.name, place));
+      }
+    }
+  }
+
+  // Numbers of usages (NAUO12), which CAD programs write where an instance has no name, say nothing to anybody.
+  static bool is_given(const std::string& instance) {
+    return !instance.empty() &&
+           !(instance.starts_with("NAUO") && instance.find_first_not_of("0123456789", 4) == std::string::npos);
   }
 
   std::string file_;
@@ -437,8 +459,8 @@ class Loader {
   Handle(XCAFDoc_ShapeTool) shapes_;
   Handle(XCAFDoc_ColorTool) colours_;
   Handle(XSControl_TransferReader) names_from_;
-  int loose_faces_ = 0;
-  double loose_size_ = 0;
+  TopoDS_Compound open_; ///< faces of no solid, where they stand
+  int open_faces_ = 0;
 };
 
 } // namespace

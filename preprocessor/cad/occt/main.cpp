@@ -1,5 +1,5 @@
-// igaprep-cad: reads a CAD file for igaprep. A process of its own, so that a file that brings OpenCASCADE down is refused
-// like any other, its memory is given back, and igaprep starts without loading forty libraries.
+// igaprep-cad: reads a CAD file for igaprep. A process of its own, so that a file that brings OpenCASCADE down is
+// refused like any other, its memory is given back, and igaprep starts without loading forty libraries.
 #include "format/model/errors.hpp"
 #include "preprocessor/cad/cad_archive.hpp"
 #include "preprocessor/cad/occt/read_cad.hpp"

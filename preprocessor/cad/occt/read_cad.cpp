@@ -71,7 +71,9 @@ void settle_places(LoadedCad& cad) {
       if (is_rigid(place) && solid.places.size() > 1)
         repeated.places.emplace_back(name, place);
       else
-        settled.push_back({placed(cad, solid.shape, place), solid.places.size() > 1 ? name : solid.name, solid.colour,
+        settled.push_back({placed(cad, solid.shape, place),
+                           solid.places.size() > 1 ? name : solid.name,
+                           solid.colour,
                            {{name, gp_Trsf()}}});
     if (!repeated.places.empty()) settled.push_back(std::move(repeated));
   }
@@ -102,23 +104,25 @@ void merge(LoadedCad& cad, const std::string& file) {
   fuse.SetNonDestructive(true);
   fuse.Build();
   if (!fuse.IsDone() || fuse.HasErrors())
-    throw InputError(fmt::format("{}: OpenCASCADE cannot unite the {} solids; unite them in CAD, or write one model for "
-                                 "each (-o folder/)",
-                                 file, count));
+    throw InputError(
+        fmt::format("{}: OpenCASCADE cannot unite the {} solids; unite them in CAD, or write one model for "
+                    "each (-o folder/)",
+                    file, count));
   TopTools_IndexedMapOfShape solids;
   TopExp::MapShapes(fuse.Shape(), TopAbs_SOLID, solids);
   if (solids.Extent() != 1)
-    throw InputError(fmt::format("{}: {} solids became {} when they were united, so not all of them touch; leave --merge "
-                                 "out and write one model for each (-o folder/)",
-                                 file, count, solids.Extent()));
+    throw InputError(
+        fmt::format("{}: {} solids became {} when they were united, so not all of them touch; leave --merge "
+                    "out and write one model for each (-o folder/)",
+                    file, count, solids.Extent()));
   for (const TopoDS_Shape& solid : all)
     carry_labels(cad, solid, [&](const TopoDS_Shape& part) { return fuse.Modified(part); });
   double before = 0;
   for (const TopoDS_Shape& solid : all) before += volume_of(solid);
   const double after = volume_of(solids(1));
   const double cube = std::pow(cad.millimetres, 3);
-  cad.findings.push_back(fmt::format("{} solids were united to one: volume {:.8g} became {:.8g}", count, before / cube,
-                                     after / cube));
+  cad.findings.push_back(
+      fmt::format("{} solids were united to one: volume {:.8g} became {:.8g}", count, before / cube, after / cube));
   cad.solids = {{solids(1), "united", "", {{"united", gp_Trsf()}}}};
 }
 
@@ -127,7 +131,8 @@ CadPlace place_of(const std::string& name, const gp_Trsf& trsf, double length) {
   place.name = name;
   for (int i = 1; i <= 3; ++i) {
     for (int j = 1; j <= 3; ++j)
-      place.rotation[static_cast<std::size_t>(i - 1)][static_cast<std::size_t>(j - 1)] = trsf.HVectorialPart().Value(i, j);
+      place.rotation[static_cast<std::size_t>(i - 1)][static_cast<std::size_t>(j - 1)] =
+          trsf.HVectorialPart().Value(i, j);
     place.shift[static_cast<std::size_t>(i - 1)] = trsf.TranslationPart().Coord(i) * length;
   }
   return place;
@@ -174,9 +179,10 @@ CadModel read_cad(const std::filesystem::path& file, const CadOptions& options) 
     if (cad.file_unit != "unspecified") {
       unit = millimetres_of(options.length_unit);
       if (unit == 0)
-        throw InputError(fmt::format("length_unit = \"{}\": a CAD file is converted to this unit; expected one of mm, cm, "
-                                     "m, um, in, ft",
-                                     options.length_unit));
+        throw InputError(
+            fmt::format("length_unit = \"{}\": a CAD file is converted to this unit; expected one of mm, cm, "
+                        "m, um, in, ft",
+                        options.length_unit));
     }
   }
   const double length = options.scale / unit;
@@ -184,10 +190,10 @@ CadModel read_cad(const std::filesystem::path& file, const CadOptions& options) 
   if (options.merge) merge(cad, file.string());
   if (options.overlaps) model.overlaps = find_overlaps(cad, length);
   for (const LoadedSolid& solid : cad.solids) {
-    const double chord = !options.tessellate   ? 0
+    const double chord = !options.tessellate ? 0
                          : options.chord > 0 ? options.chord / length
                                              : options.chord_share * longest_side(solid.shape);
-    CadSolid out = tessellate(cad, solid, chord, length);
+    CadSolid out = tessellate(cad, solid, chord, length, file.string());
     for (const auto& [name, place] : solid.places) out.places.push_back(place_of(name, place, length));
     model.solids.push_back(std::move(out));
   }

@@ -95,39 +95,47 @@ CadFace describe(const TopoDS_Face& face, double length) {
   // The material lies outside where the outward normal points to the axis.
   const auto hollow = [&](bool direct) { return direct == reversed; };
   switch (surface.GetType()) {
-    case GeomAbs_Plane: {
-      out.kind = "plane";
-      const gp_Pln plane = surface.Plane();
-      gp_Dir normal = plane.Axis().Direction();
-      if (reversed == plane.Direct()) normal.Reverse();
-      out.direction = direction_of(normal);
-      break;
-    }
-    case GeomAbs_Cylinder:
-      out.kind = hollow(surface.Cylinder().Direct()) ? "bore" : "cylinder";
-      axis(surface.Cylinder().Axis());
-      out.radius = surface.Cylinder().Radius() * length;
-      break;
-    case GeomAbs_Cone:
-      out.kind = "cone";
-      axis(surface.Cone().Axis());
-      out.radius = surface.Cone().RefRadius() * length;
-      break;
-    case GeomAbs_Sphere:
-      out.kind = "sphere";
-      out.axis_point = point_of(surface.Sphere().Location().XYZ(), length);
-      out.radius = surface.Sphere().Radius() * length;
-      break;
-    case GeomAbs_Torus:
-      out.kind = "torus";
-      axis(surface.Torus().Axis());
-      out.radius = surface.Torus().MajorRadius() * length;
-      break;
-    case GeomAbs_BezierSurface:
-    case GeomAbs_BSplineSurface: out.kind = "spline"; break;
-    case GeomAbs_SurfaceOfRevolution: out.kind = "revolved"; break;
-    case GeomAbs_SurfaceOfExtrusion: out.kind = "extruded"; break;
-    default: out.kind = "offset"; break;
+  case GeomAbs_Plane: {
+    out.kind = "plane";
+    const gp_Pln plane = surface.Plane();
+    gp_Dir normal = plane.Axis().Direction();
+    if (reversed == plane.Direct()) normal.Reverse();
+    out.direction = direction_of(normal);
+    break;
+  }
+  case GeomAbs_Cylinder:
+    out.kind = hollow(surface.Cylinder().Direct()) ? "bore" : "cylinder";
+    axis(surface.Cylinder().Axis());
+    out.radius = surface.Cylinder().Radius() * length;
+    break;
+  case GeomAbs_Cone:
+    out.kind = "cone";
+    axis(surface.Cone().Axis());
+    out.radius = surface.Cone().RefRadius() * length;
+    break;
+  case GeomAbs_Sphere:
+    out.kind = "sphere";
+    out.axis_point = point_of(surface.Sphere().Location().XYZ(), length);
+    out.radius = surface.Sphere().Radius() * length;
+    break;
+  case GeomAbs_Torus:
+    out.kind = "torus";
+    axis(surface.Torus().Axis());
+    out.radius = surface.Torus().MajorRadius() * length;
+    break;
+  case GeomAbs_BezierSurface:
+  case GeomAbs_BSplineSurface:
+    out.kind = "spline";
+    break;
+  case GeomAbs_SurfaceOfRevolution:
+    out.kind = "revolved";
+    break;
+  case GeomAbs_SurfaceOfExtrusion:
+    out.kind = "extruded";
+    break;
+  default:
+    out.kind = "offset";
+    break;
   }
   return out;
 }
@@ -139,25 +147,34 @@ CadEdge describe(const TopoDS_Edge& edge, double length) {
   out.length = properties.Mass() * length;
   const BRepAdaptor_Curve curve(edge);
   switch (curve.GetType()) {
-    case GeomAbs_Line: out.kind = "line"; break;
-    case GeomAbs_Circle:
-      out.kind = "circle";
-      out.radius = curve.Circle().Radius() * length;
-      break;
-    case GeomAbs_Ellipse: out.kind = "ellipse"; break;
-    case GeomAbs_BezierCurve:
-    case GeomAbs_BSplineCurve: out.kind = "spline"; break;
-    default: out.kind = "curve"; break;
+  case GeomAbs_Line:
+    out.kind = "line";
+    break;
+  case GeomAbs_Circle:
+    out.kind = "circle";
+    out.radius = curve.Circle().Radius() * length;
+    break;
+  case GeomAbs_Ellipse:
+    out.kind = "ellipse";
+    break;
+  case GeomAbs_BezierCurve:
+  case GeomAbs_BSplineCurve:
+    out.kind = "spline";
+    break;
+  default:
+    out.kind = "curve";
+    break;
   }
   return out;
 }
 
 // The facets of one face on their own, refined where they leave the face by more than the chord.
-// OpenCASCADE subdivides a face along its edges and, on cylinders and cones, hardly inside: a facet whose corners lie on
-// the edges of two bores may cut deep through the cylinder between them.
+// OpenCASCADE subdivides a face along its edges and, on cylinders and cones, hardly inside: a facet whose corners lie
+// on the edges of two bores may cut deep through the cylinder between them.
 class FaceFacets {
  public:
-  FaceFacets(const TopoDS_Face& face, const Handle(Poly_Triangulation) & facets, const gp_Trsf& place) : surface_(face) {
+  FaceFacets(const TopoDS_Face& face, const Handle(Poly_Triangulation) & facets, const gp_Trsf& place)
+      : surface_(face) {
     const bool has_uv = facets->HasUVNodes();
     for (int n = 1; n <= facets->NbNodes(); ++n) {
       positions_.push_back(facets->Node(n).Transformed(place).XYZ());
@@ -169,6 +186,7 @@ class FaceFacets {
       triangles_.push_back({n[0] - 1, n[1] - 1, n[2] - 1});
     }
     is_curved_ = has_uv && surface_.GetType() != GeomAbs_Plane;
+    for (std::size_t n = 0; is_curved_ && n < uv_.size(); ++n) free_.push_back(free_at(uv_[n]));
   }
 
   void refine(double chord) {
@@ -199,15 +217,42 @@ class FaceFacets {
   const gp_XY& uv(std::int32_t n) const { return uv_[static_cast<std::size_t>(n)]; }
   gp_XYZ on_face(const gp_XY& p) const { return surface_.Value(p.X(), p.Y()).XYZ(); }
 
+  // Whether the face does not move with its first or second parameter: at the tip of a cone, at a pole.
+  using Free = std::array<bool, 2>;
+  Free free_at(const gp_XY& p) const {
+    gp_Pnt x;
+    gp_Vec by_u, by_v;
+    surface_.D1(p.X(), p.Y(), x, by_u, by_v);
+    const double u_length = by_u.Magnitude() * (surface_.LastUParameter() - surface_.FirstUParameter());
+    const double v_length = by_v.Magnitude() * (surface_.LastVParameter() - surface_.FirstVParameter());
+    return {u_length < 1e-9 * v_length, v_length < 1e-9 * u_length};
+  }
+  // Mean of parameters, without those that a corner leaves free.
+  gp_XY middle_of(std::initializer_list<std::int32_t> corners) const {
+    gp_XY mean;
+    for (const int d : {0, 1}) {
+      double sum = 0, all = 0;
+      int bound = 0;
+      for (const std::int32_t c : corners) {
+        all += uv(c).Coord(d + 1);
+        if (free_[static_cast<std::size_t>(c)][static_cast<std::size_t>(d)]) continue;
+        sum += uv(c).Coord(d + 1);
+        ++bound;
+      }
+      mean.SetCoord(d + 1, bound > 0 ? sum / bound : all / static_cast<double>(corners.size()));
+    }
+    return mean;
+  }
+
   // Distance of the face from a side or a facet, at their middle in parameters: what counts is how far it lies beside
   // them, not along.
   double deviation_of(std::int32_t a, std::int32_t b) const {
-    const gp_XYZ way = on_face((uv(a) + uv(b)) / 2) - at(a), side = at(b) - at(a);
+    const gp_XYZ way = on_face(middle_of({a, b})) - at(a), side = at(b) - at(a);
     const double length = side.Modulus();
     return length > 0 ? way.Crossed(side).Modulus() / length : way.Modulus();
   }
   double deviation_of(const Triangle& t) const {
-    const gp_XYZ way = on_face((uv(t[0]) + uv(t[1]) + uv(t[2])) / 3) - at(t[0]);
+    const gp_XYZ way = on_face(middle_of({t[0], t[1], t[2]})) - at(t[0]);
     const gp_XYZ normal = (at(t[1]) - at(t[0])).Crossed(at(t[2]) - at(t[0]));
     const double length = normal.Modulus();
     return length > 0 ? std::abs(way.Dot(normal)) / length : 0;
@@ -215,6 +260,7 @@ class FaceFacets {
 
   std::int32_t add(const gp_XY& p) {
     uv_.push_back(p);
+    free_.push_back(free_at(p));
     positions_.push_back(on_face(p));
     return static_cast<std::int32_t>(positions_.size()) - 1;
   }
@@ -227,7 +273,7 @@ class FaceFacets {
     std::map<Side, std::int32_t> middle;
     for (const auto& [side, count] : uses)
       if (count == 2 && deviation_of(side.first, side.second) > chord)
-        middle[side] = add((uv(side.first) + uv(side.second)) / 2);
+        middle[side] = add(middle_of({side.first, side.second}));
     bool changed = !middle.empty();
     std::vector<Triangle> refined;
     for (const Triangle& t : triangles_) {
@@ -236,7 +282,7 @@ class FaceFacets {
         if (const auto found = middle.find(side_of(t[k], t[(k + 1) % 3])); found != middle.end()) m[k] = found->second;
       const auto count = std::count_if(m.begin(), m.end(), [](std::int32_t n) { return n >= 0; });
       if (count == 0 && deviation_of(t) > chord) {
-        const std::int32_t c = add((uv(t[0]) + uv(t[1]) + uv(t[2])) / 3);
+        const std::int32_t c = add(middle_of({t[0], t[1], t[2]}));
         for (std::size_t k = 0; k < 3; ++k) refined.push_back({t[k], t[(k + 1) % 3], c});
         changed = true;
       } else {
@@ -271,6 +317,7 @@ class FaceFacets {
   BRepAdaptor_Surface surface_;
   std::vector<gp_XYZ> positions_;
   std::vector<gp_XY> uv_;
+  std::vector<Free> free_; ///< where the face is curved
   std::vector<Triangle> triangles_;
   bool is_curved_ = false;
 };
@@ -296,8 +343,9 @@ class Facets {
     deviation_ = std::max(deviation_, own.deviation());
     std::vector<std::int32_t> number(own.positions().size(), -1);
     for (TopExp_Explorer it(face, TopAbs_EDGE); it.More(); it.Next())
-      take_edge(TopoDS::Edge(it.Current()), BRep_Tool::PolygonOnTriangulation(TopoDS::Edge(it.Current()), facets, location),
-                own.positions(), number);
+      take_edge(TopoDS::Edge(it.Current()),
+                BRep_Tool::PolygonOnTriangulation(TopoDS::Edge(it.Current()), facets, location), own.positions(),
+                number);
     for (std::size_t n = 0; n < number.size(); ++n)
       if (number[n] < 0) number[n] = new_vertex(own.positions()[n]);
     const bool flip = (face.Orientation() == TopAbs_REVERSED) != place.IsNegative();
@@ -396,7 +444,8 @@ double longest_side(const TopoDS_Shape& shape) {
   return std::max({x1 - x0, y1 - y0, z1 - z0});
 }
 
-CadSolid tessellate(const LoadedCad& cad, const LoadedSolid& solid, double chord, double length) {
+CadSolid tessellate(const LoadedCad& cad, const LoadedSolid& solid, double chord, double length,
+                    const std::string& file) {
   CadSolid out;
   out.name = solid.name;
   out.colour = solid.colour;
@@ -430,9 +479,9 @@ CadSolid tessellate(const LoadedCad& cad, const LoadedSolid& solid, double chord
     out.faces.push_back(std::move(described));
   }
   if (!failed.empty())
-    throw InputError(fmt::format("OpenCASCADE makes no facets on {} of {} faces of {} (the first is \"{}\"); another "
-                                 "--chord may help, or the face must be mended in CAD",
-                                 failed.size(), faces.Extent(), solid.name, failed.front()));
+    throw InputError(fmt::format("{}: OpenCASCADE makes no facets on {} of {} faces of \"{}\" (the first is "
+                                 "\"{}\"); another --chord may help, or the face must be mended in CAD",
+                                 file, failed.size(), faces.Extent(), solid.name, failed.front()));
   facets.write(out.mesh, length);
   out.deviation = facets.deviation() * length;
   for (int e = 1; e <= edges.Extent(); ++e) {
@@ -444,8 +493,8 @@ CadSolid tessellate(const LoadedCad& cad, const LoadedSolid& solid, double chord
     out.edges.push_back(std::move(described));
   }
   for (int v = 1; v <= vertices.Extent(); ++v)
-    out.vertices.push_back({vertex_name(vertices(v), v),
-                            point_of(BRep_Tool::Pnt(TopoDS::Vertex(vertices(v))).XYZ(), length)});
+    out.vertices.push_back(
+        {vertex_name(vertices(v), v), point_of(BRep_Tool::Pnt(TopoDS::Vertex(vertices(v))).XYZ(), length)});
   return out;
 }
 
