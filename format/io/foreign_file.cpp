@@ -43,7 +43,7 @@ struct Signature {
 
 /// First bytes as the formats' specifications give them.
 constexpr std::array signatures{
-    Signature{"ISO-10303-", "a STEP file", Kind::Cad},
+    Signature{"ISO-10303-", step_file, Kind::Cad},
     Signature{"DBRep_DrawableShape", "an OpenCASCADE BREP file", Kind::Cad},
     Signature{"CASCADE Topology", "an OpenCASCADE BREP file", Kind::Cad},
     Signature{"Open CASCADE Topology", "an OpenCASCADE BREP file", Kind::Cad},
@@ -94,14 +94,14 @@ struct Ending {
 };
 
 constexpr std::array endings{
-    Ending{".step", "a STEP file", Kind::Cad},
-    Ending{".stp", "a STEP file", Kind::Cad},
+    Ending{".step", step_file, Kind::Cad},
+    Ending{".stp", step_file, Kind::Cad},
     Ending{".stpz", "a compressed STEP file", Kind::Cad},
     Ending{".stp.gz", "a compressed STEP file", Kind::Cad},
     Ending{".step.gz", "a compressed STEP file", Kind::Cad},
-    Ending{".p21", "a STEP file", Kind::Cad},
-    Ending{".iges", "an IGES file", Kind::Cad},
-    Ending{".igs", "an IGES file", Kind::Cad},
+    Ending{".p21", step_file, Kind::Cad},
+    Ending{".iges", iges_file, Kind::Cad},
+    Ending{".igs", iges_file, Kind::Cad},
     Ending{".brep", "an OpenCASCADE BREP file", Kind::Cad},
     Ending{".brp", "an OpenCASCADE BREP file", Kind::Cad},
     Ending{".x_t", "a Parasolid file", Kind::Cad},
@@ -208,7 +208,7 @@ std::optional<ForeignFile> recognise_text(std::string_view bytes) {
   if (text.starts_with("{"))
     return text.find("\"asset\"") != std::string_view::npos ? foreign("a glTF scene", Kind::Mesh)
                                                             : foreign("a JSON file", Kind::Text);
-  if (text.starts_with("iso-10303-")) return foreign("a STEP file", Kind::Cad);
+  if (text.starts_with("iso-10303-")) return foreign(step_file, Kind::Cad);
   if (text.starts_with("version ") && text.substr(0, 80).find(" jt") != std::string_view::npos)
     return foreign("a JT file", Kind::Cad);
   return std::nullopt;
@@ -257,7 +257,7 @@ std::optional<ForeignFile> recognise_content(std::string_view bytes) {
   for (const Signature& s : signatures)
     if (bytes.starts_with(s.start)) return foreign(s.name, s.kind);
   if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);
-  if (looks_like_iges(bytes)) return foreign("an IGES file", Kind::Cad);
+  if (looks_like_iges(bytes)) return foreign(iges_file, Kind::Cad);
   if (looks_like_dxf(bytes)) return foreign("a DXF drawing", Kind::Drawing);
   return recognise_text(bytes);
 }

@@ -13,7 +13,9 @@ namespace iga::prep {
 /// A face of the boundary: one region of the surface.
 struct CadFace {
   std::string name; ///< as in the file, else "face 12"; no two of a solid are equal
-  std::string kind; ///< "plane", "cylinder", "bore", "cone", "sphere", "torus", "spline" …; a bore is a hollow cylinder
+  /// "plane", "cylinder", "cone", "sphere", "torus", "spline" …; hollow cylinders are a "bore" from half a turn on,
+  /// else a "fillet".
+  std::string kind;
   std::string colour;  ///< "#rrggbb", empty where the file gives none
   double area = 0;     ///< exact, length²
   Point3 centroid{};   ///< of the exact face, length

@@ -118,7 +118,8 @@ Part part_of(const CadModel& cad, const CadSolid& solid, const std::filesystem::
   if (std::abs(volume / solid.volume - 1) > warned_volume_share)
     part.warnings.push_back(fmt::format("the facets hold {} of the exact volume ({:.6g} instead of {:.6g}): a smaller "
                                         "--chord than {:.3g} follows the faces more closely",
-                                        signed_per_cent(volume, solid.volume), volume, solid.volume, solid.chord));
+                                        signed_per_cent(volume, solid.volume), volume, solid.volume,
+                                        std::min(solid.chord, solid.deviation)));
   for (const CadOverlap& overlap : cad.overlaps)
     for (const CadPlace& place : solid.places)
       if (place.name == overlap.first || place.name == overlap.second)

@@ -67,6 +67,11 @@ void check_paths(const Settings& s) {
   if (access(folder.c_str(), W_OK) != 0)
     throw InputError(fmt::format("{}: the output folder is not writable", folder.string()));
   if (!fs::exists(s.output)) return;
+  if (fs::is_directory(s.output))
+    throw InputError(
+        fmt::format("{0}: the output is a folder; choose another name, or write {0}/ for one model of each "
+                    "solid in it",
+                    s.output.string()));
   if (!fs::is_regular_file(s.output))
     throw InputError(
         fmt::format("{}: the output exists and is no ordinary file; choose another name", s.output.string()));

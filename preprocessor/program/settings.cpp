@@ -177,11 +177,6 @@ CadSettings cad_settings(const TypedSettings& typed) {
   return cad;
 }
 
-// A folder stands there already, or the name ends like one.
-bool names_folder(const std::filesystem::path& output) {
-  return !output.empty() && (output.filename().empty() || std::filesystem::is_directory(output));
-}
-
 } // namespace
 
 TypedSettings override_settings(TypedSettings base, const TypedSettings& over) {
@@ -201,7 +196,7 @@ Settings validate(const TypedSettings& typed) {
     throw InputError("no surface file is given; name one on the command line or as input in the settings file");
   s.input = *typed.input;
   s.output = typed.output.value_or(s.input.stem().string() + ".h5");
-  s.output_is_folder = names_folder(s.output);
+  s.output_is_folder = !s.output.empty() && s.output.filename().empty(); // "models/"
   if (s.output.empty()) throw InputError(fmt::format("output = \"{}\": this is no file name", s.output.string()));
   s.scale = typed.scale.value_or(1);
   require(positive(s.scale), "scale", s.scale, "the factor on all coordinates must be positive");

@@ -52,7 +52,7 @@ struct CadSettings {
 /// Complete settings; every value is in its range.
 struct Settings {
   std::filesystem::path input;
-  std::filesystem::path output; ///< a file, or a folder for one model of each solid
+  std::filesystem::path output; ///< a file, or, where it ends with a slash, a folder for one model of each solid
   bool output_is_folder = false;
   double scale = 1;
   std::string length_unit = "unspecified"; ///< a label; CAD files are converted to it

@@ -87,7 +87,7 @@ class CadFiles(unittest.TestCase):
         self.assertEqual(bodies[2]["place"]["axis"], [0, 0, 1])
         # A run file that may have been filled in stays; models that stand already are not made again.
         (folder / "run.toml").write_text("# mine\n")
-        again = self.igaprep("assembly.step", "-o", "models", "--span-size", 2)
+        again = self.igaprep("assembly.step", "-o", "models/", "--span-size", 2)
         self.assertIn("nothing to do", again.stdout)
         self.assertEqual((folder / "run.toml").read_text(), "# mine\n")
         # One model needs a choice.

@@ -92,7 +92,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"WrongType", {"type.toml"}, {"type.toml:3", "the text \"ten\"", "number"}},
         Case{"BrokenToml", {"broken.toml"}, {"broken.toml:1"}}, Case{"MissingToml", {"absent.toml"}, {"absent.toml"}},
         Case{"NoOutputFolder", {"cube.stl", "-o", "nowhere/a.h5"}, {"nowhere", "does not exist"}},
-        Case{"OutputIsAFolder", {"cube.stl", "-o", ".", "--force"}, {"no ordinary file"}},
+        Case{"OutputIsAFolder", {"cube.stl", "-o", ".", "--force"}, {"is a folder", "./ for one model"}},
         Case{"OutputIsADevice", {"cube.stl", "-o", "/dev/full", "--force"}, {"/dev/full", "no ordinary file"}},
         Case{"OutputIsTheInput", {"cube.stl", "-o", "cube.stl", "--force"}, {"never replaced"}}),
     [](const auto& test) { return test.param.name; });

@@ -1,4 +1,5 @@
 // Where a gap ends inside the support of B-splines: the space of continuous functions there.
+#include "format/model/glue_gap_ends.hpp"
 #include "solver/mechanics/assemble.hpp"
 #include "solver/mechanics/rigid_modes.hpp"
 #include "solver/space/light_functions.hpp"
@@ -40,6 +41,26 @@ TEST_P(GapEnds, ModelIsSoundWithEveryInteriorRule) {
     EXPECT_GT(count_cells(model).gap_end_cells, 0);
     EXPECT_EQ(count_cells(model).components, 1);
     EXPECT_EQ(separate_bodies(SolutionSpace(model, {LightFunctions::DegreeP, 1e-6})).count, 1);
+  }
+}
+
+TEST_P(GapEnds, AreGluedAgain) {
+  const TrimmedModel glued = glue_gap_ends(slit_block(GetParam(), 5)), reference = slit_block(GetParam(), 5, false);
+  for (const std::string& problem : check(glued)) ADD_FAILURE() << problem;
+  EXPECT_TRUE(glued.unknowns.empty());
+  // Copies of one B-spline may come in another order.
+  const auto sorted = [](const Functions& functions) {
+    std::vector<std::pair<std::int64_t, double>> all;
+    for (std::size_t f = 0; f < functions.number.size(); ++f)
+      all.emplace_back(functions.number[f], functions.mass_fraction[f]);
+    std::sort(all.begin(), all.end());
+    return all;
+  };
+  const auto found = sorted(glued.functions), expected = sorted(reference.functions);
+  ASSERT_EQ(found.size(), expected.size());
+  for (std::size_t f = 0; f < found.size(); ++f) {
+    EXPECT_EQ(found[f].first, expected[f].first);
+    EXPECT_NEAR(found[f].second, expected[f].second, 1e-9);
   }
 }
 

@@ -93,7 +93,10 @@ CadFace describe(const TopoDS_Face& face, double length) {
     out.axis_point = point_of(line.Location().XYZ(), length);
   };
   // The material lies outside where the outward normal points to the axis.
-  const auto hollow = [&](bool direct) { return direct == reversed; };
+  const auto cylinder_kind = [&]() -> const char* {
+    if (surface.Cylinder().Direct() != reversed) return "cylinder";
+    return surface.LastUParameter() - surface.FirstUParameter() > 0.99 * M_PI ? "bore" : "fillet";
+  };
   switch (surface.GetType()) {
   case GeomAbs_Plane: {
     out.kind = "plane";
@@ -104,7 +107,7 @@ CadFace describe(const TopoDS_Face& face, double length) {
     break;
   }
   case GeomAbs_Cylinder:
-    out.kind = hollow(surface.Cylinder().Direct()) ? "bore" : "cylinder";
+    out.kind = cylinder_kind();
     axis(surface.Cylinder().Axis());
     out.radius = surface.Cylinder().Radius() * length;
     break;
