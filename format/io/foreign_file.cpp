@@ -44,9 +44,9 @@ struct Signature {
 /// First bytes as the formats' specifications give them.
 constexpr std::array signatures{
     Signature{"ISO-10303-", step_file, Kind::Cad},
-    Signature{"DBRep_DrawableShape", "an OpenCASCADE BREP file", Kind::Cad},
-    Signature{"CASCADE Topology", "an OpenCASCADE BREP file", Kind::Cad},
-    Signature{"Open CASCADE Topology", "an OpenCASCADE BREP file", Kind::Cad},
+    Signature{"DBRep_DrawableShape", brep_file, Kind::Cad},
+    Signature{"CASCADE Topology", brep_file, Kind::Cad},
+    Signature{"Open CASCADE Topology", brep_file, Kind::Cad},
     Signature{"**ABCDEFGHIJKLMNOPQRSTUVWXYZ", "a Parasolid file (x_t)", Kind::Cad},
     Signature{"PS\0"sv, "a Parasolid file (x_b)", Kind::Cad},
     Signature{"ACIS BinaryFile", "an ACIS file (SAB)", Kind::Cad},
@@ -102,8 +102,8 @@ constexpr std::array endings{
     Ending{".p21", step_file, Kind::Cad},
     Ending{".iges", iges_file, Kind::Cad},
     Ending{".igs", iges_file, Kind::Cad},
-    Ending{".brep", "an OpenCASCADE BREP file", Kind::Cad},
-    Ending{".brp", "an OpenCASCADE BREP file", Kind::Cad},
+    Ending{".brep", brep_file, Kind::Cad},
+    Ending{".brp", brep_file, Kind::Cad},
     Ending{".x_t", "a Parasolid file", Kind::Cad},
     Ending{".x_b", "a Parasolid file", Kind::Cad},
     Ending{".xmt_txt", "a Parasolid file", Kind::Cad},

@@ -14,9 +14,10 @@ struct ForeignFile {
   std::string advice; ///< what to do instead
 };
 
-/// Names of the two CAD formats that igaprep reads otherwise than as triangles.
+/// Names of the CAD formats that igaprep reads otherwise than as triangles.
 inline constexpr const char* step_file = "a STEP file";
 inline constexpr const char* iges_file = "an IGES file";
+inline constexpr const char* brep_file = "an OpenCASCADE BREP file";
 
 /// By the first bytes: CAD, mesh and picture formats, archives (looked into), web pages, Git LFS pointers.
 std::optional<ForeignFile> recognise_content(std::string_view bytes);

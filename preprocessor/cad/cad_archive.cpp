@@ -13,7 +13,7 @@ void fields(auto& archive, CadFace& f) {
   archive(f.name, f.kind, f.colour, f.area, f.centroid, f.direction, f.axis_point, f.radius);
 }
 void fields(auto& archive, CadEdge& e) {
-  archive(e.name, e.kind, e.length, e.radius, e.points);
+  archive(e.name, e.kind, e.length, e.radius, e.middle, e.faces, e.points);
 }
 void fields(auto& archive, CadVertex& v) {
   archive(v.name, v.position);
@@ -38,10 +38,10 @@ void fields(auto& archive, CadOptions& o) {
   archive(o.chord, o.chord_share, o.scale, o.length_unit, o.sew, o.merge, o.tessellate, o.overlaps);
 }
 void fields(auto& archive, CadRequest& r) {
-  archive(r.file, r.options);
+  archive(r.version, r.file, r.options);
 }
 void fields(auto& archive, CadAnswer& a) {
-  archive(a.error, a.model);
+  archive(a.version, a.error, a.model);
 }
 
 struct Writer {
@@ -131,6 +131,12 @@ std::string to_bytes(CadAnswer answer) {
 }
 CadRequest request_of(std::string_view bytes) {
   return read<CadRequest>(bytes);
+}
+std::string version_of(std::string_view bytes) {
+  std::string version;
+  Reader reader{bytes};
+  reader(version);
+  return version;
 }
 CadAnswer answer_of(std::string_view bytes) {
   return read<CadAnswer>(bytes);

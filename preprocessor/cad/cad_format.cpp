@@ -11,11 +11,9 @@ std::optional<CadFormat> cad_format(std::string_view bytes, const std::filesyste
   if (const auto known = io::recognise_content(bytes)) {
     if (known->name == io::step_file) return CadFormat::Step;
     if (known->name == io::iges_file) return CadFormat::Iges;
+    if (known->name == io::brep_file) return CadFormat::Brep;
     return std::nullopt;
   }
-  if (bytes.starts_with("DBRep_DrawableShape") || bytes.starts_with("\nCASCADE Topology") ||
-      bytes.starts_with("CASCADE Topology"))
-    return CadFormat::Brep;
   std::string ending = file.extension().string();
   for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   if (ending == ".step" || ending == ".stp") return CadFormat::Step;

@@ -26,11 +26,13 @@ struct CadFace {
 
 /// An edge of the boundary, as corners of a polyline that consists of edges of the facets.
 struct CadEdge {
-  std::string name;  ///< as in the file, else "edge 7"
-  std::string kind;  ///< "line", "circle", "ellipse", "spline" …
-  double length = 0; ///< exact
-  double radius = 0; ///< circle; else zero
-  std::vector<Point3> points;
+  std::string name;               ///< as in the file, else "edge 7"
+  std::string kind;               ///< "line", "circle", "ellipse", "spline" …
+  double length = 0;              ///< exact
+  double radius = 0;              ///< circle; else zero
+  Point3 middle{};                ///< at half of its parameters, length
+  std::vector<std::string> faces; ///< names of those that it bounds
+  std::vector<Point3> points;     ///< empty without facets
 };
 
 struct CadVertex {

@@ -1,6 +1,7 @@
 #include "preprocessor/cad/run_cad_reader.hpp"
 
 #include "format/model/errors.hpp"
+#include "format/model/version.hpp"
 #include "preprocessor/cad/cad_archive.hpp"
 
 #include <cerrno>
@@ -49,7 +50,12 @@ class Exchange {
       std::size_t size;
       ~Unmap() { munmap(bytes, size); }
     } unmap{bytes, size};
-    return answer_of({static_cast<const char*>(bytes), size});
+    const std::string_view text(static_cast<const char*>(bytes), size);
+    if (const std::string version = version_of(text); version != program_version())
+      throw InputError(
+          fmt::format("the CAD reader beside igaprep is of version {}, igaprep of {}; build or install both again",
+                      version, program_version()));
+    return answer_of(text);
   }
 
  private:
@@ -85,7 +91,7 @@ CadModel run_cad_reader(const fs::path& file, const CadOptions& options, const s
                                  "libocct-data-exchange-dev and build again, or export the part as STL",
                                  file.string()));
   const Exchange exchange;
-  exchange.put(to_bytes(CadRequest{file.string(), options}));
+  exchange.put(to_bytes(CadRequest{program_version(), file.string(), options}));
   std::string name = program.string(), number = std::to_string(exchange.file());
   char* const arguments[] = {name.data(), number.data(), nullptr};
   pid_t reader = 0;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace iga::prep {
 
@@ -56,6 +57,7 @@ io::JsonObject json_of(const CadFace& face) {
 io::JsonObject json_of(const CadEdge& edge) {
   io::JsonObject out;
   out.add("name", edge.name).add("type", edge.kind).add("length", edge.length);
+  out.add("middle", edge.middle).add("faces", edge.faces);
   if (edge.radius > 0) out.add("radius", edge.radius);
   return out;
 }
@@ -95,10 +97,13 @@ std::string cad_list_text(const CadModel& cad, const std::string& file, bool edg
                          face.colour, text(face.centroid, size), shape_of(face, size));
     if (!edges) continue;
     const int edge_width = width_of(solid.edges);
-    out += fmt::format("  {:<{}}  {:<9} {:>13}\n", "edge", edge_width, "type", "length");
+    out += fmt::format("  {:<{}}  {:<9} {:>13}  {:<34} faces\n", "edge", edge_width, "type", "length", "middle");
     for (const CadEdge& edge : solid.edges)
-      out += fmt::format("  {:<{}}  {:<9} {:>13.8g}  {}\n", edge.name, edge_width, edge.kind, edge.length,
-                         edge.radius > 0 ? fmt::format("radius {:.6g}", edge.radius) : "");
+      out += fmt::format("  {:<{}}  {:<9} {:>13.8g}  {:<34} {}{}\n", edge.name, edge_width, edge.kind, edge.length,
+                         text(edge.middle, size),
+                         edge.faces.size() == 1 ? edge.faces[0] + ", seam"
+                                                : fmt::format("{}", fmt::join(edge.faces, " | ")),
+                         edge.radius > 0 ? fmt::format(", radius {:.6g}", edge.radius) : "");
     const int vertex_width = width_of(solid.vertices);
     out += fmt::format("  {:<{}}  position\n", "vertex", vertex_width);
     for (const CadVertex& vertex : solid.vertices)

@@ -1,6 +1,7 @@
 // igaprep-cad: reads a CAD file for igaprep. A process of its own, so that a file that brings OpenCASCADE down is
 // refused like any other, its memory is given back, and igaprep starts without loading forty libraries.
 #include "format/model/errors.hpp"
+#include "format/model/version.hpp"
 #include "preprocessor/cad/cad_archive.hpp"
 #include "preprocessor/cad/occt/read_cad.hpp"
 
@@ -39,8 +40,11 @@ bool write_all(int file, const std::string& bytes) {
   return true;
 }
 
-CadAnswer answer(const CadRequest& request) {
+CadAnswer answer(const std::string& bytes) {
   CadAnswer out;
+  out.version = iga::program_version();
+  if (version_of(bytes) != out.version) return out; // igaprep says so
+  const CadRequest request = request_of(bytes);
   try {
     out.model = read_cad(request.file, request.options);
   } catch (const iga::InputError& error) {
@@ -65,7 +69,7 @@ int main(int argc, char** argv) {
   // OpenCASCADE prints to stdout, where igaprep's report goes.
   if (const int nowhere = open("/dev/null", O_WRONLY); nowhere >= 0) dup2(nowhere, STDOUT_FILENO);
   try {
-    return write_all(exchange, to_bytes(answer(request_of(read_all(exchange))))) ? 0 : 2;
+    return write_all(exchange, to_bytes(answer(read_all(exchange)))) ? 0 : 2;
   } catch (const std::bad_alloc&) {
     return 3;
   }

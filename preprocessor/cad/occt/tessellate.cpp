@@ -18,6 +18,7 @@
 #include <Poly_Triangulation.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
+#include <TopTools_IndexedDataMapOfShapeListOfShape.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Edge.hxx>
@@ -149,6 +150,7 @@ CadEdge describe(const TopoDS_Edge& edge, double length) {
   BRepGProp::LinearProperties(edge, properties);
   out.length = properties.Mass() * length;
   const BRepAdaptor_Curve curve(edge);
+  out.middle = point_of(curve.Value(0.5 * (curve.FirstParameter() + curve.LastParameter())).XYZ(), length);
   switch (curve.GetType()) {
   case GeomAbs_Line:
     out.kind = "line";
@@ -464,6 +466,8 @@ CadSolid tessellate(const LoadedCad& cad, const LoadedSolid& solid, double chord
   TopExp::MapShapes(solid.shape, TopAbs_FACE, faces);
   TopExp::MapShapes(solid.shape, TopAbs_EDGE, edges);
   TopExp::MapShapes(solid.shape, TopAbs_VERTEX, vertices);
+  TopTools_IndexedDataMapOfShapeListOfShape faces_of_edge;
+  TopExp::MapShapesAndAncestors(solid.shape, TopAbs_EDGE, TopAbs_FACE, faces_of_edge);
   Facets facets(edges, vertices, chord);
   if (chord > 0) {
     BRepTools::Clean(solid.shape);
@@ -493,6 +497,10 @@ CadSolid tessellate(const LoadedCad& cad, const LoadedSolid& solid, double chord
     CadEdge described = describe(edge, length);
     described.name = edge_name(edge, e);
     described.points = facets.polyline(e, length);
+    for (const TopoDS_Shape& face : faces_of_edge.FindFromKey(edge)) {
+      const std::string& name = out.faces[static_cast<std::size_t>(faces.FindIndex(face) - 1)].name;
+      if (described.faces.empty() || described.faces.back() != name) described.faces.push_back(name);
+    }
     out.edges.push_back(std::move(described));
   }
   for (int v = 1; v <= vertices.Extent(); ++v)
