@@ -44,6 +44,14 @@ std::optional<std::string> gap_end_note(const TrimmedModel& model) {
       cells);
 }
 
+std::string glued_gap_ends_note(std::int64_t cells, const TrimmedModel& model) {
+  const std::array<int, 3> p = model.grid.degree();
+  return fmt::format(
+      "walls are too stiff around the ends of gaps in {} cells, over about {} spans: runs with contact share "
+      "functions there, as igaprep --gap-ends glued does; compare the results of two span sizes",
+      cells, *std::max_element(p.begin(), p.end()) + 1);
+}
+
 std::vector<std::string> prefixed(const std::string& subject, const std::vector<std::string>& texts) {
   std::vector<std::string> out;
   for (const std::string& text : texts) out.push_back(fmt::format("{}: {}", subject, text));

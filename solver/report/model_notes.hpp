@@ -21,6 +21,8 @@ std::optional<std::string> joined_bodies_warning(const SolutionSpace& space);
 
 /// What continuous functions at the ends of gaps cost an explicit run; nothing where there are none.
 std::optional<std::string> gap_end_note(const TrimmedModel& model);
+/// What a run with contact made of the gap ends in so many cells of a model.
+std::string glued_gap_ends_note(std::int64_t cells, const TrimmedModel& model);
 
 /// Each text with what it is about in front: "part.h5: …".
 std::vector<std::string> prefixed(const std::string& subject, const std::vector<std::string>& texts);

@@ -4,6 +4,7 @@
 #include "format/io/settings_reader.hpp"
 #include "format/io/trimmed_model_io.hpp"
 #include "format/model/errors.hpp"
+#include "format/model/glue_gap_ends.hpp"
 #include "format/model/vec3.hpp"
 #include "solver/explicit/contact/contact_surface.hpp"
 #include "solver/explicit/motion/rotational_inertia.hpp"
@@ -76,6 +77,10 @@ void ExplicitScene::add_bodies() {
     io::stop_if_interrupted();
     models_.push_back(std::make_unique<TrimmedModel>(io::read_model(body.model)));
     if (body.place != Placement{}) *models_.back() = placed(std::move(*models_.back()), body.place);
+    // Light functions beside the end of a gap stay on their own, and a spring may be no stiffer than their masses
+    // allow: contact would be far too soft there.
+    const std::int64_t glued = run_.contacts.empty() ? 0 : count_cells(*models_.back()).gap_end_cells;
+    if (glued > 0) *models_.back() = glue_gap_ends(std::move(*models_.back()));
     const TrimmedModel& model = *models_.back();
     if (run_.units && *run_.units != model.length_unit)
       throw InputError(fmt::format("{}: the length unit of {} is \"{}\", but the run says \"{}\"; convert the material "
@@ -93,15 +98,8 @@ void ExplicitScene::add_bodies() {
       to.insert(to.end(), named.begin(), named.end());
     };
     add(findings_, model.provenance.findings);
-    if (const auto note = gap_end_note(model)) {
-      // Light functions stay on their own there, and a spring may be no stiffer than their masses allow.
-      if (!run_.contacts.empty())
-        throw InputError(fmt::format("{}: contact would be far too soft beside the ends of gaps in {}, where light "
-                                     "functions carry their own small masses; make the model with igaprep --gap-ends "
-                                     "glued for runs with contact",
-                                     body.where, body.model.string()));
-      add(findings_, {*note});
-    }
+    if (glued > 0) add(findings_, {glued_gap_ends_note(glued, model)});
+    if (const auto note = gap_end_note(model)) add(findings_, {*note});
     add(warnings_, model_warnings(model, &bodies_.back()->small_strain()));
     add(warnings_, bodies_.back()->space().warnings());
     if (const auto warning = joined_bodies_warning(bodies_.back()->space())) add(warnings_, {*warning});
