@@ -74,7 +74,7 @@ std::vector<io::TableKeys> run_keys() {
       {"results", {"subdivide", "viewer"}},
       {"support", {"name", "fixed", "rotation", "rotate_axis_angle", "value", "gradient", "method", "penalty_factor"}},
       {"probe", {"name", "position"}}};
-  for (const auto& more : {load_keys("load"), region_keys("support")})
+  for (const auto& more : {load_keys("load"), region_keys("support"), place_keys("support")})
     keys.insert(keys.end(), more.begin(), more.end());
   return keys;
 }

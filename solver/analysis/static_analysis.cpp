@@ -5,10 +5,13 @@
 #include "solver/base/stopwatch.hpp"
 #include "solver/linalg/stage_progress.hpp"
 #include "solver/mechanics/assemble.hpp"
+#include "solver/supports/rigid_regions.hpp"
 #include "solver/supports/support_check.hpp"
 
+#include <algorithm>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <limits>
 
 namespace iga::solve {
 
@@ -37,11 +40,11 @@ std::unique_ptr<LinearSolver> factorise(const StiffnessMatrix& K, const SupportT
   return factorise_indefinite(system);
 }
 
-Eigen::VectorXd residual(const StiffnessMatrix& K, const ConstraintMatrix& C, const Eigen::VectorXd& b,
-                         const Eigen::VectorXd& x) {
+Eigen::VectorXd residual(const StiffnessMatrix& K, const RigidRegions& rigid, const ConstraintMatrix& C,
+                         const Eigen::VectorXd& b, const Eigen::VectorXd& x) {
   const Eigen::Index n = K.size();
   Eigen::VectorXd r = b;
-  r.head(n) -= K * Eigen::VectorXd(x.head(n));
+  r.head(n) += rigid.correction(x.head(n)) - K * Eigen::VectorXd(x.head(n));
   if (C.rows() > 0) {
     r.head(n) -= C.transpose() * x.tail(C.rows());
     r.tail(C.rows()) -= C * x.head(n);
@@ -84,23 +87,6 @@ const char* name_of(SupportMethod method) {
   }
 }
 
-const char* name_of(LoadKind kind) {
-  switch (kind) {
-  case LoadKind::BodyForce:
-    return "body force";
-  case LoadKind::Acceleration:
-    return "acceleration";
-  case LoadKind::Pressure:
-    return "pressure";
-  case LoadKind::TotalForce:
-    return "total force";
-  case LoadKind::Point:
-    return "point";
-  default:
-    return "traction";
-  }
-}
-
 Point3 moment_about(const Point3& centre, const Point3& moment, const Point3& force) {
   return minus(moment, cross(centre, force));
 }
@@ -131,7 +117,6 @@ void describe_forces(const StaticSettings& settings, const SupportTerms& support
     const LoadReport& load = solution.loads[k];
     const LoadKind kind = settings.loads[k].kind;
     Point3 centre = load.region.centroid;
-    if (kind == LoadKind::Point) centre = settings.loads[k].position;
     if (kind == LoadKind::BodyForce || kind == LoadKind::Acceleration) centre = times(centroid, 1 / volume);
     solution.result.loads.push_back({load.name, name_of(kind), load.region.area, centre, load.force,
                                      moment_about(centre, load.moment, load.force)});
@@ -152,6 +137,20 @@ double energy_defect(const StaticResult& r) {
   return larger > 0 ? std::abs(stored - done) / larger : 0;
 }
 
+std::optional<std::string> singular_place_near(const StaticSolution& solution, const SplineGrid& grid,
+                                               const Point3& x) {
+  const double reach = singular_reach(grid);
+  const auto is_near = [&](const RegionReport& region) {
+    return std::any_of(region.places.begin(), region.places.end(),
+                       [&](const Point3& place) { return norm(minus(place, x)) < reach; });
+  };
+  for (const RegionReport& support : solution.regions)
+    if (is_near(support)) return fmt::format("support '{}'", support.name);
+  for (const LoadReport& load : solution.loads)
+    if (is_near(load.region)) return fmt::format("load '{}'", load.name);
+  return std::nullopt;
+}
+
 StaticSolution run_static(const RunSettings& run, const StaticSettings& settings, const SolutionSpace& space) {
   const TrimmedModel& model = space.model();
   StaticSolution solution;
@@ -167,9 +166,13 @@ StaticSolution run_static(const RunSettings& run, const StaticSettings& settings
   watch.stage("stiffness");
   show_stage(run.progress, "supports");
   const SupportTerms supports = apply_supports(space, run.material, run.supports, K);
+  RigidRegions rigid(space, run.material, settings.loads, K);
   need_no_free_motion(space, K.pattern(), supports.prepared);
   solution.regions = supports.regions;
   solution.num_constraints = supports.constraints.rows();
+  solution.warnings = place_warnings(supports, model.grid);
+  const std::vector<std::string> of_loads = place_warnings(solution.loads, model.grid);
+  solution.warnings.insert(solution.warnings.end(), of_loads.begin(), of_loads.end());
   watch.stage("supports");
 
   Eigen::VectorXd b(K.size() + supports.constraints.rows());
@@ -179,11 +182,15 @@ StaticSolution run_static(const RunSettings& run, const StaticSettings& settings
   solution.cost = solver->cost();
   watch.stage("factorisation");
   show_stage(run.progress, "solution");
-  Eigen::VectorXd x = solver->solve(b);
-  x += solver->solve(residual(K, supports.constraints, b, x));
+  rigid.prepare(*solver);
+  Eigen::VectorXd x = rigid.solve(*solver, b);
+  x += rigid.solve(*solver, residual(K, rigid, supports.constraints, b, x));
   const double size = b.norm();
-  solution.residual = residual(K, supports.constraints, b, x).norm() / (size > 0 ? size : 1);
-  if (!(solution.residual < largest_residual))
+  solution.residual = residual(K, rigid, supports.constraints, b, x).norm() / (size > 0 ? size : 1);
+  // Forces that cancel in the motion of rigid regions leave their rounding.
+  const double rounding =
+      64 * std::numeric_limits<double>::epsilon() * rigid.correction(Eigen::VectorXd(x.head(K.size()))).norm();
+  if (!(solution.residual < largest_residual || solution.residual * size < rounding))
     throw NumericalError(fmt::format("the static system could not be solved: relative residual {:.2g} after "
                                      "refinement, expected below {:.0e}; the part is hardly held, or functions hold "
                                      "almost no material",
@@ -205,6 +212,8 @@ StaticSolution run_static(const RunSettings& run, const StaticSettings& settings
   find_largest(result.positions, result.points, solution);
   find_largest(positions_of(model.grid, surface.parameters), solution.surface, solution);
   solution.reactions = reactions(space, run.material, supports, solution.unknowns, solution.multipliers);
+  solution.motions = rigid.motions(solution.unknowns);
+  result.penalty_energy = rigid.energy(solution.unknowns);
   describe_forces(settings, supports, model, solution);
   watch.stage("fields");
   return solution;

@@ -23,7 +23,7 @@ Results static_results(const AnalysisRun& run, const SolutionSpace& space, Stati
 std::string json_report(const AnalysisRun& run, const SolutionSpace& space, const StaticSolution& solution) {
   io::JsonObject report;
   add_model(report, run, space);
-  report.add("statics", static_json(solution));
+  report.add("statics", static_json(solution, run.model.grid));
   add_end(report, run);
   return report.text();
 }
@@ -32,7 +32,7 @@ std::string text_report(const AnalysisRun& run, const SolutionSpace& space, cons
   TextReport head, end;
   add_model(head, run, space);
   add_end(end, run);
-  return head.text() + static_text(solution) + end.text();
+  return head.text() + static_text(solution, run.model.grid) + end.text();
 }
 
 } // namespace
@@ -47,6 +47,7 @@ int static_command(AnalysisRun& run) {
   } catch (const NumericalError& error) {
     throw NumericalError(fmt::format("{}; {}", error.what(), numerical_advice(run.settings, run.model)));
   }
+  warn(run, solution.warnings);
   run.timings.insert(run.timings.end(), solution.timings.begin(), solution.timings.end());
   const std::string report =
       run.command.style == ReportStyle::Json ? json_report(run, space, solution) : text_report(run, space, solution);

@@ -68,15 +68,23 @@ void add_model(io::JsonObject& report, const AnalysisRun& run, const SolutionSpa
 
 void add_regions(TextReport& report, const std::vector<RegionReport>& regions) {
   for (const RegionReport& r : regions)
-    report.line("support", "{}: area {:.8g}, centroid ({:.6g}), {} points", r.name, r.area, fmt::join(r.centroid, ", "),
-                r.points);
+    report.line("support", "{}: {}, centroid ({:.6g}), {} points{}{}", r.name,
+                r.extent == Extent::Surface ? fmt::format("area {:.8g}", r.area)
+                : r.extent == Extent::Line  ? fmt::format("length {:.8g}", r.length)
+                                            : "a point",
+                fmt::join(r.centroid, ", "), r.points, r.note.empty() ? "" : "\n", r.note);
 }
 
 std::vector<io::JsonObject> json_of(const std::vector<RegionReport>& regions) {
   std::vector<io::JsonObject> list;
   for (const RegionReport& r : regions)
-    list.push_back(
-        io::JsonObject().add("name", r.name).add("area", r.area).add("centroid", r.centroid).add("points", r.points));
+    list.push_back(io::JsonObject()
+                       .add("name", r.name)
+                       .add("area", r.area)
+                       .add("length", r.length)
+                       .add("centroid", r.centroid)
+                       .add("points", r.points)
+                       .add("note", r.note));
   return list;
 }
 

@@ -6,7 +6,8 @@
 
 namespace iga::solve {
 
-std::string static_text(const StaticSolution& solution);
-io::JsonObject static_json(const StaticSolution& solution);
+/// @param grid  of the model
+std::string static_text(const StaticSolution& solution, const SplineGrid& grid);
+io::JsonObject static_json(const StaticSolution& solution, const SplineGrid& grid);
 
 } // namespace iga::solve

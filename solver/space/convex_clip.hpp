@@ -21,4 +21,11 @@ template <class Height> ConvexPolygon clip_convex(const ConvexPolygon& in, Heigh
   return out;
 }
 
+inline double polygon_area(const ConvexPolygon& polygon) {
+  Point3 sum{};
+  for (std::size_t a = 1; a + 1 < polygon.size(); ++a)
+    sum = plus(sum, twice_area(polygon[0], polygon[a], polygon[a + 1]));
+  return 0.5 * norm(sum);
+}
+
 } // namespace iga::solve

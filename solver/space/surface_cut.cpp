@@ -17,13 +17,6 @@ constexpr double negligible_share = 1e-15;
 
 using Polygon = ConvexPolygon;
 
-Point3 area_vector(const Polygon& polygon) {
-  Point3 sum{};
-  for (std::size_t a = 1; a + 1 < polygon.size(); ++a)
-    sum = plus(sum, cross(minus(polygon[a], polygon[0]), minus(polygon[a + 1], polygon[0])));
-  return times(sum, 0.5);
-}
-
 // Cuts a polygon in span units into slabs along axes d, d - 1, …, 0 and hands each piece on.
 template <class Use> void for_each_piece(const Polygon& polygon, std::size_t axes, const Index3& spans, Use&& use) {
   if (polygon.size() < 3) return;
@@ -90,7 +83,7 @@ void add_polygon_points(const TrimmedModel& model, const SurfaceCells& surface, 
     for (std::size_t d = 0; d < 3; ++d) u[d] += h[d] * xi[d];
     return u;
   };
-  const double negligible = negligible_share * norm(area_vector(polygon));
+  const double negligible = negligible_share * polygon_area(polygon);
   for_each_piece(in_spans, 3, grid.spans(), [&](const Polygon& piece) {
     Point3 middle{};
     for (const Point3& xi : piece) middle = plus(middle, times(xi, 1.0 / static_cast<double>(piece.size())));

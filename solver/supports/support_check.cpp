@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -67,15 +68,19 @@ void add_supports(const SolutionSpace& space, const Bodies& bodies, std::span<co
     for (std::size_t s = 0; s < prepared.region.cells.size(); ++s) {
       const PointBatch batch = gather(space.model(), prepared.region, s);
       Body& body = all[body_of(space, bodies, batch.cell)];
+      // Lines and points count like strips and patches of the body's size.
+      const Extent extent = prepared.region.report.extent;
+      const double width = std::pow(body.radius, extent == Extent::Surface ? 0 : extent == Extent::Line ? 1 : 2);
       for (std::size_t q = 0; q < batch.size(); ++q) {
-        body.support_area += batch.weights[q];
-        const FixedDirections fixed = fixed_directions(prepared.support, batch.normals[q], batch.positions[q]);
+        const double area = width * batch.weights[q];
+        body.support_area += area;
+        const FixedDirections fixed = fixed_directions(prepared, batch.normals[q], batch.positions[q]);
         for (std::size_t d = 0; d < static_cast<std::size_t>(fixed.count); ++d) {
           const Eigen::Vector3d e = as_vector(fixed.direction[d]);
           Twist row;
           row.head<3>() = e;
           row.tail<3>() = (as_vector(batch.positions[q]) - body.centre).cross(e) / body.radius;
-          body.held += batch.weights[q] * row * row.transpose();
+          body.held += area * row * row.transpose();
         }
       }
     }

@@ -24,7 +24,7 @@ SpanTerms span_terms(const SolutionSpace& space, const ElasticMaterial& material
   const bool nitsche = prepared.support.method == SupportMethod::Nitsche;
   const PointBatch batch = gather(space.model(), prepared.region, s);
   const SupportRows rows =
-      make_rows(space, material, prepared.support, batch, nitsche ? RowParts::Both : RowParts::Trace, shapes);
+      make_rows(space, material, prepared, batch, nitsche ? RowParts::Both : RowParts::Trace, shapes);
   const double beta = prepared.beta[s];
   const Eigen::MatrixXd weighted = rows.weight.asDiagonal() * rows.trace;
   SpanTerms terms;
@@ -113,7 +113,7 @@ Reaction weak_reaction(const SolutionSpace& space, const ElasticMaterial& materi
         SpanShapes shapes;
         const PointBatch batch = gather(space.model(), prepared.region, s);
         const SupportRows rows =
-            make_rows(space, material, prepared.support, batch, nitsche ? RowParts::Both : RowParts::Trace, shapes);
+            make_rows(space, material, prepared, batch, nitsche ? RowParts::Both : RowParts::Trace, shapes);
         const auto nodes = space.nodes(batch.cell);
         Eigen::VectorXd local(3 * static_cast<Eigen::Index>(nodes.size()));
         for (std::size_t r = 0; r < nodes.size(); ++r)
@@ -155,8 +155,14 @@ SupportTerms apply_supports(const SolutionSpace& space, const ElasticMaterial& m
   for (const Support& support : supports) {
     PreparedSupport prepared;
     prepared.support = support;
-    prepared.region = choose_region(space.model(), support.region, fmt::format("support '{}'", support.name));
+    const std::string what = fmt::format("support '{}'", support.name);
+    prepared.region = support.place.given() ? choose_places(space.model(), support.place, what)
+                                            : choose_region(space.model(), support.region, what);
     prepared.region.report.name = support.name;
+    if (support.radial) {
+      prepared.cylinder = fit_cylinder(space.model(), prepared.region, what);
+      prepared.region.report.note = prepared.cylinder.text();
+    }
     terms.regions.push_back(prepared.region.report);
     terms.prepared.push_back(std::move(prepared));
   }
@@ -172,6 +178,14 @@ SupportTerms apply_supports(const SolutionSpace& space, const ElasticMaterial& m
     if (prepared.support.method != SupportMethod::Lagrange) add_stiffness(space, material, prepared, K, terms.load);
   add_constraints(space, material, terms);
   return terms;
+}
+
+std::vector<std::string> place_warnings(const SupportTerms& terms, const SplineGrid& grid) {
+  std::vector<std::string> warnings;
+  for (const RegionReport& region : terms.regions)
+    if (const auto warning = singular_warning(region, fmt::format("support '{}'", region.name), grid))
+      warnings.push_back(*warning);
+  return warnings;
 }
 
 std::vector<Reaction> reactions(const SolutionSpace& space, const ElasticMaterial& material, const SupportTerms& terms,

@@ -109,7 +109,7 @@ position = [1, 2, 3]
                                     LoadKind::TotalForce, LoadKind::BodyForce, LoadKind::Acceleration};
   ASSERT_EQ(run.statics.loads.size(), kinds.size());
   for (std::size_t k = 0; k < kinds.size(); ++k) EXPECT_EQ(run.statics.loads[k].kind, kinds[k]);
-  EXPECT_EQ(run.statics.loads[2].position, (Point3{1, 2, 3}));
+  EXPECT_EQ(run.statics.loads[2].place.at, (Point3{1, 2, 3}));
   EXPECT_EQ(run.statics.probes[0].name, "probe 1");
 }
 
