@@ -1,6 +1,7 @@
 #include "solver/analysis/run_settings.hpp"
 
 #include "format/io/settings_reader.hpp"
+#include "format/io/trimmed_model_io.hpp"
 #include "format/model/errors.hpp"
 
 #include <array>
@@ -39,7 +40,7 @@ template <class Names, class Value> const char* to_name(const Names& names, Valu
 
 ElasticMaterial material_of(const TypedRun& typed, Analysis analysis) {
   if (!typed.rho && analysis != Analysis::Static)
-    throw InputError("material: the density is missing; give --rho or rho in [material]");
+    throw InputError("material: the density is missing; give --rho or rho in [material], or a name: --material steel");
   for (const Load& load : typed.statics.loads)
     if (!typed.rho && analysis == Analysis::Static && load.kind == LoadKind::Acceleration)
       throw InputError(fmt::format("material: the density is missing, but load '{}' is an acceleration; give --rho or "
@@ -51,11 +52,12 @@ ElasticMaterial material_of(const TypedRun& typed, Analysis analysis) {
     return anisotropic(voigt_matrix(*typed.C), rho);
   }
   if (!typed.E || !typed.nu)
-    throw InputError(
-        fmt::format("material: {} missing; give --E and --nu, or E and nu in [material], or a matrix C there",
-                    !typed.E && !typed.nu ? "E and nu are"
-                    : typed.E             ? "nu is"
-                                          : "E is"));
+    throw InputError(fmt::format(
+        "material: {} missing; give --E and --nu, or E and nu in [material], or a matrix C there, or a name: "
+        "--material steel",
+        !typed.E && !typed.nu ? "E and nu are"
+        : typed.E             ? "nu is"
+                              : "E is"));
   return isotropic(*typed.E, *typed.nu, rho);
 }
 
@@ -68,8 +70,10 @@ int whole(const char* key, std::int64_t value, std::int64_t least, std::int64_t 
 // Every key that a run file of eigen, timestep and static may hold.
 std::vector<io::TableKeys> run_keys() {
   std::vector<io::TableKeys> keys{
-      {"", {"model", "output", "units", "mass", "light_functions", "light_threshold"}},
-      {"material", {"E", "nu", "rho", "C"}},
+      {"",
+       {"model", "output", "units", "unit_system", "material", "materials", "mass", "light_functions",
+        "light_threshold"}},
+      {"material", {"name", "E", "nu", "rho", "C"}},
       {"eigen", {"modes", "largest", "sturm"}},
       {"results", {"subdivide", "viewer"}},
       {"support", {"name", "fixed", "rotation", "rotate_axis_angle", "value", "gradient", "method", "penalty_factor"}},
@@ -105,11 +109,18 @@ TypedRun read_run_file(const std::filesystem::path& file) {
   t.mass = root.text("mass");
   t.light_functions = root.text("light_functions");
   t.light_threshold = root.number("light_threshold");
-  io::SettingsTable material = root.table("material");
-  t.E = material.number("E");
-  t.nu = material.number("nu");
-  t.rho = material.number("rho");
-  t.C = material.numbers("C", {21, 36});
+  t.unit_system = root.text("unit_system");
+  t.materials = root.path("materials");
+  if (root.holds_text("material")) {
+    t.material = root.text("material");
+  } else {
+    io::SettingsTable material = root.table("material");
+    t.material = material.text("name");
+    t.E = material.number("E");
+    t.nu = material.number("nu");
+    t.rho = material.number("rho");
+    t.C = material.numbers("C", {21, 36});
+  }
   io::SettingsTable eigen = root.table("eigen");
   t.modes = eigen.integer("modes");
   t.largest = eigen.boolean("largest");
@@ -133,6 +144,13 @@ TypedRun override_run(TypedRun t, const TypedRun& flags) {
   take(t.mass, flags.mass);
   take(t.light_functions, flags.light_functions);
   take(t.light_threshold, flags.light_threshold);
+  take(t.unit_system, flags.unit_system);
+  take(t.materials, flags.materials);
+  if (flags.material) { // in the place of the file's material
+    t.material = flags.material;
+    t.E = t.nu = t.rho = std::nullopt;
+    t.C.reset();
+  }
   if (flags.E || flags.nu) t.C.reset(); // an isotropic material by flag replaces the file's matrix
   take(t.E, flags.E);
   take(t.nu, flags.nu);
@@ -145,6 +163,26 @@ TypedRun override_run(TypedRun t, const TypedRun& flags) {
   return t;
 }
 
+CompletedRun complete_material(TypedRun typed) {
+  CompletedRun run;
+  if ((typed.material || typed.unit_system) && typed.model) {
+    run.units = &choose_units(typed.unit_system, io::read_length_unit(*typed.model), typed.model->string());
+    if (typed.material) {
+      if (typed.C)
+        throw InputError(fmt::format("material: give either a name, \"{}\", or a matrix C, not both", *typed.material));
+      run.named = find_material(*typed.material, typed.materials);
+      if (!typed.E) typed.E = run.named.E / run.units->pascal();
+      if (!typed.nu) typed.nu = run.named.nu;
+      if (!typed.rho) typed.rho = run.named.rho / run.units->kg_per_m3();
+    }
+  }
+  if (typed.materials && !typed.material)
+    throw InputError(fmt::format("materials: {} is given, but no name of a material in it; add material = \"…\"",
+                                 typed.materials->string()));
+  run.typed = std::move(typed);
+  return run;
+}
+
 RunSettings validate_run(const TypedRun& typed, Analysis analysis) {
   RunSettings run;
   run.analysis = analysis;
@@ -154,6 +192,9 @@ RunSettings validate_run(const TypedRun& typed, Analysis analysis) {
   if (typed.output) run.output = *typed.output;
   run.units = typed.units;
   run.material = material_of(typed, analysis);
+  run.words.E = typed.E;
+  run.words.nu = typed.nu;
+  run.words.rho = typed.rho;
   run.mass = analysis == Analysis::Timestep ? MassType::Lumped : MassType::Consistent;
   run.eigen.largest = typed.largest.value_or(false);
   if (run.eigen.largest) run.mass = MassType::Lumped;

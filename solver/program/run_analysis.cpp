@@ -44,7 +44,11 @@ std::unique_ptr<io::OutputClaim> claim_outputs(const RunSettings& run, const Ana
 } // namespace
 
 int run_analysis(const AnalysisCommand& command) {
-  AnalysisRun run{command, validate_run(command.typed, command.analysis), {}, {}, {}};
+  const CompletedRun complete = complete_material(command.typed);
+  AnalysisRun run{command, validate_run(complete.typed, command.analysis), {}, {}, {}};
+  run.settings.words.name = complete.named.name;
+  run.settings.words.source = complete.named.source;
+  run.settings.words.units = complete.units;
   std::optional<tbb::global_control> threads;
   if (command.threads)
     threads.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(*command.threads));
@@ -56,7 +60,7 @@ int run_analysis(const AnalysisCommand& command) {
   }
   check_units(run.settings, run.model);
   warn(run, prefixed(run.settings.model.filename().string(),
-                     model_warnings(run.model, command.typed.rho ? &run.settings.material : nullptr)));
+                     model_warnings(run.model, complete.typed.rho ? &run.settings.material : nullptr)));
   io::Progress progress(io::progress_style(command.style == ReportStyle::Quiet));
   run.settings.progress = &progress;
   return run_interruptibly([&] {

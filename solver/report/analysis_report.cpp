@@ -47,6 +47,7 @@ void add_model(TextReport& report, const AnalysisRun& run, const SolutionSpace& 
   report.line("model", "{}{}", run.settings.model.string(), m.title.empty() ? "" : fmt::format(" ({})", m.title));
   report.line("spans", "{} interior, {} trimmed; degree {}, {} points", summary.interior, summary.trimmed,
               fmt::join(m.grid.degree(), " "), m.points.weights.size());
+  report.line("material", "{}", material_text(run.settings.words, summary.volume));
   report.line("unknowns", "{}{}", space.num_unknowns(),
               space.num_light() == 0
                   ? ""
@@ -64,6 +65,13 @@ void add_model(io::JsonObject& report, const AnalysisRun& run, const SolutionSpa
   report.add("model", run.settings.model.string()).add("title", m.title).add("length_unit", m.length_unit);
   report.add("degree", m.grid.degree()).add("spans", spans).add("points", m.points.weights.size());
   report.add("unknowns", space.num_unknowns()).add("light_functions", light);
+  const MaterialWords& words = run.settings.words;
+  io::JsonObject material;
+  material.add("name", words.name).add("source", words.source).add("unit_system", words.units ? words.units->name : "");
+  if (words.E) material.add("E", *words.E).add("nu", *words.nu);
+  if (words.rho) material.add("rho", *words.rho);
+  if (const auto mass = mass_in_kg(words, summary.volume)) material.add("mass_in_kg", *mass);
+  report.add("material", material);
 }
 
 void add_regions(TextReport& report, const std::vector<RegionReport>& regions) {

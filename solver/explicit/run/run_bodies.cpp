@@ -1,7 +1,9 @@
 // [[bodies]] of a run file.
+#include "format/io/trimmed_model_io.hpp"
 #include "format/model/errors.hpp"
 #include "solver/analysis/run_settings.hpp"
 #include "solver/explicit/run/run_parts.hpp"
+#include "solver/mechanics/material_table.hpp"
 
 #include <fmt/format.h>
 #include <numbers>
@@ -48,6 +50,26 @@ Placement read_placement(io::SettingsTable&& table) {
   return place;
 }
 
+// Numbers of bodies.material.name in the units of the model; the body's report gets their words.
+std::optional<MaterialDefaults> named_material(io::SettingsTable& table, const ExplicitRun& run, BodyRun& body) {
+  const auto name = table.text("name");
+  if (!name) return std::nullopt;
+  try {
+    const UnitSystem& units = choose_units(run.unit_system, io::read_length_unit(body.model), body.model.string());
+    const NamedMaterial found = find_material(*name, run.materials);
+    MaterialDefaults numbers{found.E / units.pascal(), found.nu, found.rho / units.kg_per_m3()};
+    body.words = MaterialWords{found.name,
+                               found.source,
+                               table.number("E").value_or(numbers.E),
+                               table.number("nu").value_or(numbers.nu),
+                               table.number("rho").value_or(numbers.rho),
+                               &units};
+    return numbers;
+  } catch (const InputError& error) {
+    refuse(table, "name", error.what());
+  }
+}
+
 BodyRun read_body(io::SettingsTable& table, const Point3& gravity, ExplicitRun& run) {
   BodyRun body;
   const auto model = table.path("model");
@@ -61,7 +83,7 @@ BodyRun read_body(io::SettingsTable& table, const Point3& gravity, ExplicitRun& 
   BodySettings& s = body.body;
   s.name = read_name(table, "name", body.model.stem().string());
   io::SettingsTable material = table.table("material");
-  body.material = read_material(material);
+  body.material = read_material(material, named_material(material, run, body));
   if (material.holds_text("yield_curve"))
     run.inputs.push_back({*material.path("yield_curve"), material.where("yield_curve")});
   for (const std::string& warning : body.material.warnings)

@@ -6,7 +6,7 @@ namespace iga::solve {
 
 std::vector<io::TableKeys> run_file_keys() {
   std::vector<io::TableKeys> keys{
-      {"", {"units", "gravity"}},
+      {"", {"units", "unit_system", "materials", "gravity"}},
       {"bodies",
        {"name", "model", "mass", "light_functions", "light_threshold", "damping", "erosion_volume_ratio", "velocity",
         "spin", "spin_centre", "edge_length"}},

@@ -8,6 +8,7 @@
 #include "solver/explicit/contact/contact_surface.hpp"
 #include "solver/explicit/motion/rotational_inertia.hpp"
 #include "solver/report/model_notes.hpp"
+#include "solver/report/model_summary.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -92,6 +93,7 @@ void ExplicitScene::add_bodies() {
       const auto named = prefixed(subject, texts);
       to.insert(to.end(), named.begin(), named.end());
     };
+    if (body.words) add(findings_, {material_text(*body.words, summarise(model).volume)});
     add(findings_, model.provenance.findings);
     if (const auto note = gap_end_note(model)) {
       // Light functions stay on their own there, and a spring may be no stiffer than their masses allow.
