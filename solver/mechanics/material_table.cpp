@@ -91,9 +91,9 @@ const UnitSystem& choose_units(const std::optional<std::string>& wish, std::stri
 NamedMaterial find_material(const std::string& name, const std::optional<std::filesystem::path>& file) {
   io::SettingsTable root =
       file ? io::SettingsTable::read(*file) : io::SettingsTable::parse(built_in_materials, "samples/materials.toml");
-  std::vector<std::string> known;
+  std::vector<std::string> titles = table_names(root), known;
   std::optional<NamedMaterial> found;
-  for (const std::string& title : table_names(root)) {
+  for (const std::string& title : titles) {
     io::SettingsTable table = root.table(title);
     const NamedMaterial material{title, table.text("source").value_or(""), need_number(table, "E"),
                                  need_number(table, "nu"), need_number(table, "rho")};
@@ -112,12 +112,12 @@ NamedMaterial find_material(const std::string& name, const std::optional<std::fi
   }
   root.refuse_unknown_keys();
   if (found) return *found;
-  std::vector<std::string> small;
-  for (const std::string& word : known) small.push_back(lower(word));
-  const auto near = io::nearest_name(lower(name), small);
-  throw InputError(fmt::format("material: there is no \"{}\" in {}{}; it has {}; or give E, nu and rho as numbers",
-                               name, file ? file->string() : "the table of materials",
-                               near ? fmt::format(", did you mean \"{}\"?", *near) : "", fmt::join(known, ", ")));
+  for (std::string& word : known) word = lower(word);
+  const auto near = io::nearest_name(lower(name), known);
+  throw InputError(fmt::format(
+      "material: there is no \"{}\" in {}{}; it has {} (and other names of these); or give E, nu and rho as numbers",
+      name, file ? file->string() : "the table of materials", near ? fmt::format(", did you mean \"{}\"?", *near) : "",
+      fmt::join(titles, ", ")));
 }
 
 std::optional<double> mass_in_kg(const MaterialWords& words, double volume) {

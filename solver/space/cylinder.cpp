@@ -90,6 +90,13 @@ std::string at(const Point3& x) {
   return fmt::format("({:.6g}, {:.6g}, {:.6g})", x[0], x[1], x[2]);
 }
 
+// Of a unit vector: what single precision of the corners leaves is no direction.
+std::string direction(Point3 v) {
+  for (double& c : v)
+    if (std::abs(c) < 1e-4) c = 0;
+  return at(v);
+}
+
 [[noreturn]] void refuse(const std::string& what, const std::string& why) {
   throw InputError(
       fmt::format("{}: the region is no cylinder: {}; choose the face of a bore or a shaft alone", what, why));
@@ -115,7 +122,7 @@ Point3 Cylinder::radial(const Point3& x) const {
 
 std::string Cylinder::text() const {
   return fmt::format("{} of radius {:.6g} about the axis {} through {}; corners of facets lie within {:.2g} of it",
-                     is_bore ? "bore" : "shaft", radius, at(axis), at(point), deviation);
+                     is_bore ? "bore" : "shaft", radius, direction(axis), at(point), deviation);
 }
 
 Cylinder fit_cylinder(const TrimmedModel& model, const SurfaceRegion& region, const std::string& what) {
@@ -143,10 +150,10 @@ Cylinder fit_cylinder(const TrimmedModel& model, const SurfaceRegion& region, co
       worst = as_point(x);
     }
   if (!(cylinder.deviation <= largest_deviation * cylinder.radius))
-    refuse(what,
-           fmt::format("its corner {} lies {:.4g} from the cylinder that fits best (radius {:.6g}, axis {}), "
-                       "allowed are {:g} % of the radius",
-                       at(worst), cylinder.deviation, cylinder.radius, at(cylinder.axis), 100 * largest_deviation));
+    refuse(what, fmt::format("its corner {} lies {:.4g} from the cylinder that fits best (radius {:.6g}, axis {}), "
+                             "allowed are {:g} % of the radius",
+                             at(worst), cylinder.deviation, cylinder.radius, direction(cylinder.axis),
+                             100 * largest_deviation));
   double facing = 0;
   for (std::size_t q = 0; q < region.weights.size(); ++q) {
     const Point3 x =
@@ -158,7 +165,7 @@ Cylinder fit_cylinder(const TrimmedModel& model, const SurfaceRegion& region, co
              fmt::format("at {} its normal is {:.0f} degrees away from that of the cylinder that fits best (radius "
                          "{:.6g}, axis {})",
                          at(x), std::acos(std::clamp(std::abs(cosine), 0.0, 1.0)) * 180 / std::numbers::pi,
-                         cylinder.radius, at(cylinder.axis)));
+                         cylinder.radius, direction(cylinder.axis)));
   }
   cylinder.is_bore = facing < 0;
   return cylinder;

@@ -160,7 +160,7 @@ std::string SurfacePatch::how_near() const {
       return dot(way, way);
     }));
   return fmt::format(
-      "the patch comes as near as {:.4g} to the surface and its tolerance is {:.3g}: check that it lies in "
+      "the patch's corners come as near as {:.4g} to the surface, its tolerance is {:.3g}: check that it lies in "
       "the model's frame and length unit, or give patch = {{ file = \"…\", tolerance = … }}",
       std::sqrt(least), tolerance_);
 }

@@ -504,7 +504,7 @@ TEST(Patches, ChooseThePartThatTheyCover) {
   for (auto& facet : lifted)
     for (Point3& x : facet) x[2] += 0.1;
   expect_words(refusal([&] { chosen(lifted); }),
-               {"support 'heads': no part of the surface", "as near as 0.1 to", "tolerance"});
+               {"support 'heads': no part of the surface", "as near as 0.1 to", "its tolerance is"});
   EXPECT_NEAR(chosen(lifted, 0.15).report.area, area, 1e-6);
   EXPECT_NEAR(chosen(disc, 0.15).report.area, area, 1e-6); // the tolerance makes no rim wider
 
