@@ -72,7 +72,7 @@ struct EigenResult {
 struct SupportResult {
   std::string name;
   std::string method; ///< nitsche | penalty | lagrange
-  double area = 0;    ///< length²
+  double area = 0;    ///< length²; 0 for lines and points
   Point3 centroid{};  ///< length
   Point3 force{};     ///< of the support on the part
   Point3 moment{};    ///< about the region's centroid, force · length
@@ -81,8 +81,8 @@ struct SupportResult {
 /// One load and its resultant.
 struct LoadResult {
   std::string name;
-  std::string kind;  ///< body force | traction | pressure | point
-  double area = 0;   ///< length²; 0 for body forces and point loads
+  std::string kind;  ///< "pressure", "bearing", …: schema/README.md lists them
+  double area = 0;   ///< length²; 0 for body forces and loads on lines and at points
   Point3 centroid{}; ///< of what it acts on, length
   Point3 force{};    ///< on the part
   Point3 moment{};   ///< about that centroid, force · length
@@ -101,7 +101,7 @@ struct StaticResult {
   /// The rest of the energy balance: strain_energy + penalty_energy = external_work + support_work + gap_work.
   double support_work = 0;   ///< ½ ∫ t · u_D dA: of the reactions on prescribed displacements; force · length
   double gap_work = 0;       ///< Nitsche: ∫ (σ n) · (u - u_D) dA over the supports; force · length
-  double penalty_energy = 0; ///< Nitsche and penalty: ½ ∫ β |u - u_D|² dA; force · length
+  double penalty_energy = 0; ///< Nitsche and penalty: ½ ∫ β |u - u_D|² dA, and of rigid regions; force · length
   std::vector<double> displacement; ///< (n_f × 3): coefficients of all active functions, length
   std::vector<double> positions;    ///< (num_points × 3) of the model's quadrature points, length
   FieldSamples points;              ///< one step, at the model's quadrature points in their order

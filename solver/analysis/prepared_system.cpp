@@ -37,7 +37,7 @@ PreparedSystem prepare_system(const RunSettings& run, const TrimmedModel& model)
   if (!run.supports.empty()) {
     show_stage(run.progress, "supports");
     system.supports = apply_supports(*system.space, run.material, run.supports, system.K);
-    const std::vector<std::string> of_places = place_warnings(system.supports, model.grid);
+    const std::vector<std::string> of_places = region_warnings(system.supports, model.grid);
     system.warnings.insert(system.warnings.end(), of_places.begin(), of_places.end());
     watch.stage("supports");
   }

@@ -170,8 +170,8 @@ StaticSolution run_static(const RunSettings& run, const StaticSettings& settings
   need_no_free_motion(space, K.pattern(), supports.prepared);
   solution.regions = supports.regions;
   solution.num_constraints = supports.constraints.rows();
-  solution.warnings = place_warnings(supports, model.grid);
-  const std::vector<std::string> of_loads = place_warnings(solution.loads, model.grid);
+  solution.warnings = region_warnings(supports, model.grid);
+  const std::vector<std::string> of_loads = region_warnings(solution.loads, model.grid);
   solution.warnings.insert(solution.warnings.end(), of_loads.begin(), of_loads.end());
   watch.stage("supports");
 

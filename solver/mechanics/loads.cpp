@@ -140,12 +140,13 @@ const char* name_of(LoadKind kind) {
   }
 }
 
-std::vector<std::string> place_warnings(std::span<const LoadReport> loads, const SplineGrid& grid) {
-  std::vector<std::string> warnings;
-  for (const LoadReport& load : loads)
-    if (const auto warning = singular_warning(load.region, fmt::format("load '{}'", load.name), grid))
-      warnings.push_back(*warning);
-  return warnings;
+std::vector<std::string> region_warnings(std::span<const LoadReport> loads, const SplineGrid& grid) {
+  std::vector<std::string> all;
+  for (const LoadReport& load : loads) {
+    const auto warnings = region_warnings(load.region, fmt::format("load '{}'", load.name), grid);
+    all.insert(all.end(), warnings.begin(), warnings.end());
+  }
+  return all;
 }
 
 } // namespace iga::solve

@@ -43,8 +43,8 @@ struct LoadReport {
   Point3 force{};      ///< resultant, the part's frame
   Point3 moment{};     ///< about the origin
 };
-/// Warnings of lines and points that loads act on.
-std::vector<std::string> place_warnings(std::span<const LoadReport> loads, const SplineGrid& grid);
+/// Warnings about what loads act on.
+std::vector<std::string> region_warnings(std::span<const LoadReport> loads, const SplineGrid& grid);
 
 struct LoadTerms {
   Eigen::VectorXd load; ///< (num_unknowns)

@@ -39,6 +39,7 @@ std::vector<Vector3d> corners_of(const TrimmedModel& model, const SurfaceRegion&
   std::sort(vertices.begin(), vertices.end());
   vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
   std::vector<Vector3d> points;
+  points.reserve(vertices.size());
   for (const std::int32_t v : vertices)
     points.push_back(as_vector(model.surface.mesh.vertices[static_cast<std::size_t>(v)]));
   return points;

@@ -148,14 +148,18 @@ double singular_reach(const SplineGrid& grid) {
   return 2 * std::max({h[0], h[1], h[2]});
 }
 
-std::optional<std::string> singular_warning(const RegionReport& report, const std::string& subject,
-                                            const SplineGrid& grid) {
-  if (report.extent == Extent::Surface) return std::nullopt;
-  return fmt::format(
-      "{} acts {}, which has no area: the stress beside it has no limit as spans shrink, and how far the "
-      "part gives way there depends on the span size too. Read no stress nearer than two spans ({:.4g}), "
-      "compare two span sizes, or choose the strip of surface that it acts on in reality",
-      subject, report.extent == Extent::Line ? "along a line" : "at a point", singular_reach(grid));
+std::vector<std::string> region_warnings(const RegionReport& report, const std::string& subject,
+                                         const SplineGrid& grid) {
+  std::vector<std::string> warnings;
+  if (!report.warning.empty()) warnings.push_back(fmt::format("{}: {}", subject, report.warning));
+  if (report.extent != Extent::Surface)
+    warnings.push_back(fmt::format(
+        "{} acts {}, which has no area: the stress beside it has no limit as spans shrink, and how far the part gives "
+        "way "
+        "there depends on the span size too. Read no stress nearer than two spans ({:.4g}), compare two span sizes, or "
+        "choose the strip of surface that it acts on in reality",
+        subject, report.extent == Extent::Line ? "along a line" : "at a point", singular_reach(grid)));
+  return warnings;
 }
 
 } // namespace iga::solve

@@ -27,9 +27,9 @@ Point3 position_of(const TrimmedModel& model, const PlaceChoice& choice, const s
 
 /// How far from a line or a point its stress may be read: two spans, length.
 double singular_reach(const SplineGrid& grid);
-/// What lines and points do to results, for the user's warnings; nothing of a surface.
+/// What the user should be warned of: what lines and points do to results, a choice that may be another one than meant.
 /// @param subject  "support 'edge'"
-std::optional<std::string> singular_warning(const RegionReport& report, const std::string& subject,
-                                            const SplineGrid& grid);
+std::vector<std::string> region_warnings(const RegionReport& report, const std::string& subject,
+                                         const SplineGrid& grid);
 
 } // namespace iga::solve

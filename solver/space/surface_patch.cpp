@@ -20,6 +20,8 @@ namespace {
 constexpr double least_cosine = 0.7071;
 // Neighbouring facets at more than 45° meet at an edge; below they stand for a round face.
 constexpr double round_cosine = 0.7071;
+// Patches that find surface for less than this share of them are warned of.
+constexpr double least_share = 0.9;
 // STL files hold single precision.
 constexpr double single_rounding = 1e-6;
 // Pieces smaller than this share of their triangle are rounding of the cuts.
@@ -165,9 +167,15 @@ std::string SurfacePatch::how_near() const {
       std::sqrt(least), tolerance_);
 }
 
-std::string SurfacePatch::covered(double area) const {
-  return fmt::format("patch {}: area {:.6g}, {:.1f} % of it found on the surface within {:.3g}{}", name_, area_,
-                     100 * area / area_, tolerance_, chosen_tolerance_ ? " (chosen from the facets)" : "");
+void SurfacePatch::describe(RegionReport& region) const {
+  const double share = region.area / area_;
+  region.note = fmt::format("patch {}: area {:.6g}, {:.1f} % of it found on the surface within {:.3g}{}", name_, area_,
+                            100 * share, tolerance_, chosen_tolerance_ ? " (chosen from the facets)" : "");
+  if (share < least_share)
+    region.warning =
+        fmt::format("only {:.0f} % of the patch {} lies on the surface, within its tolerance of {:.3g}: check its "
+                    "place, or give patch = {{ file = \"…\", tolerance = … }}",
+                    100 * share, name_, tolerance_);
 }
 
 } // namespace iga::solve

@@ -22,8 +22,8 @@ class SurfacePatch {
   std::vector<ConvexPolygon> part_of(const ConvexPolygon& polygon, const Point3& normal) const;
   /// For refusals: how near the patch's corners come to the model's surface.
   std::string how_near() const;
-  /// For the report: how much of the patch found surface, with what tolerance.
-  std::string covered(double area) const;
+  /// For the report: how much of the patch found surface, with what tolerance; a warning where much of it found none.
+  void describe(RegionReport& region) const;
 
  private:
   const TrimmedModel& model_;

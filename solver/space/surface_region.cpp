@@ -204,7 +204,7 @@ SurfaceRegion choose_region(const TrimmedModel& model, const RegionChoice& choic
   if (!(region.report.area > 0))
     throw InputError(fmt::format("{}: no part of the surface meets its choice ({}){}; {}", what, describe(choice),
                                  patch ? "; " + patch->how_near() : "", regions_that_exist(model)));
-  if (patch) region.report.note = patch->covered(region.report.area);
+  if (patch) patch->describe(region.report);
   region.report.points = static_cast<std::int64_t>(region.weights.size());
   region.report.centroid = model.grid.to_position(plus(model.grid.A(), times(first, 1 / region.report.area)));
   return region;

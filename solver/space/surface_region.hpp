@@ -43,6 +43,7 @@ struct RegionReport {
   double length = 0;          ///< of lines
   std::vector<Point3> places; ///< quadrature points of lines and points, length, the part's frame
   std::string note;           ///< what was found and the user should see: a cylinder's radius, a patch's tolerance
+  std::string warning;        ///< what may make the choice another one than was meant
 };
 
 /// Quadrature points of a choice, cell by cell. Triangles that lie in it as a whole bring the model's own points; those

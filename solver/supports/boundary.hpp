@@ -59,8 +59,8 @@ struct SupportTerms {
 SupportTerms apply_supports(const SolutionSpace& space, const ElasticMaterial& material,
                             std::span<const Support> supports, StiffnessMatrix& K);
 
-/// Warnings of lines and points that supports act on.
-std::vector<std::string> place_warnings(const SupportTerms& terms, const SplineGrid& grid);
+/// Warnings about what supports act on.
+std::vector<std::string> region_warnings(const SupportTerms& terms, const SplineGrid& grid);
 
 /// Force of a support on the part and its moment about the origin.
 struct Reaction {

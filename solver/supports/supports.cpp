@@ -180,12 +180,13 @@ SupportTerms apply_supports(const SolutionSpace& space, const ElasticMaterial& m
   return terms;
 }
 
-std::vector<std::string> place_warnings(const SupportTerms& terms, const SplineGrid& grid) {
-  std::vector<std::string> warnings;
-  for (const RegionReport& region : terms.regions)
-    if (const auto warning = singular_warning(region, fmt::format("support '{}'", region.name), grid))
-      warnings.push_back(*warning);
-  return warnings;
+std::vector<std::string> region_warnings(const SupportTerms& terms, const SplineGrid& grid) {
+  std::vector<std::string> all;
+  for (const RegionReport& region : terms.regions) {
+    const auto warnings = region_warnings(region, fmt::format("support '{}'", region.name), grid);
+    all.insert(all.end(), warnings.begin(), warnings.end());
+  }
+  return all;
 }
 
 std::vector<Reaction> reactions(const SolutionSpace& space, const ElasticMaterial& material, const SupportTerms& terms,

@@ -197,7 +197,7 @@ TEST(Places, ForcesHaveTheirResultants) {
   const LoadReport corner = report_of(space, load);
   expect_near(corner.force, F, 1e-15);
   expect_near(corner.moment, cross(box_upper, F), 1e-13);
-  const auto warnings = place_warnings(std::vector{along, corner}, model.grid);
+  const auto warnings = region_warnings(std::vector{along, corner}, model.grid);
   ASSERT_EQ(warnings.size(), 2u);
   expect_words(warnings[0], {"load 'load' acts along a line", "two spans (2)"});
   expect_words(warnings[1], {"at a point"});
@@ -498,7 +498,12 @@ TEST(Patches, ChooseThePartThatTheyCover) {
   auto beyond = disc; // over the edge: only what lies on the part
   for (auto& facet : beyond)
     for (Point3& x : facet) x[1] += 3.5 - 2.4;
-  EXPECT_NEAR(chosen(beyond).report.area, area / 2, 1e-3);
+  const RegionReport half = chosen(beyond).report;
+  EXPECT_NEAR(half.area, area / 2, 1e-3);
+  const auto warnings = region_warnings(half, "support 'heads'", model.grid);
+  ASSERT_EQ(warnings.size(), 1u);
+  expect_words(warnings[0], {"support 'heads': only 50 % of the patch", "tolerance"});
+  EXPECT_TRUE(region_warnings(found.report, "support 'heads'", model.grid).empty());
 
   auto lifted = disc;
   for (auto& facet : lifted)
