@@ -4,9 +4,11 @@
 #include "solver/analysis/eigen_settings.hpp"
 #include "solver/mechanics/mass_type.hpp"
 #include "solver/mechanics/material.hpp"
+#include "solver/space/body_tables.hpp"
 #include "solver/space/solution_space.hpp"
 #include "solver/supports/boundary.hpp"
 #include "solver/supports/read_supports.hpp"
+#include "solver/ties/tie.hpp"
 
 #include <filesystem>
 #include <optional>
@@ -19,27 +21,52 @@ namespace iga::solve {
 
 enum class Analysis { Eigen, Timestep, Static };
 
+/// [material], or the material of one of [[bodies]], as typed.
+struct TypedMaterial {
+  std::optional<double> E, nu, rho;
+  std::optional<std::vector<double>> C; ///< 36 numbers row by row, or the 21 of the upper triangle
+};
+
+/// One of [[bodies]], as typed.
+struct TypedBody {
+  BodyFile file;
+  std::optional<TypedMaterial> material; ///< none: [material] of the run
+  std::optional<std::string> light_functions;
+  std::optional<double> light_threshold;
+};
+
 /// Settings as typed: nothing is filled in yet. Names are those of the flags with underscores.
 struct TypedRun {
   std::optional<std::filesystem::path> model, output;
   std::optional<std::string> units, mass, light_functions;
   std::optional<double> E, nu, rho, light_threshold;
-  std::optional<std::vector<double>> C; ///< 36 numbers row by row, or the 21 of the upper triangle
+  std::optional<std::vector<double>> C; ///< as in TypedMaterial
   std::optional<std::int64_t> modes, subdivide;
   std::optional<bool> largest, sturm, viewer;
+  std::vector<TypedBody> bodies; ///< run files only
+  std::vector<Tie> ties;         ///< run files only
   std::vector<Support> supports; ///< run files only
   StaticSettings statics;        ///< run files only
+};
+
+/// One body of a run.
+struct RunBody {
+  BodyFile file; ///< without a name where the run has no [[bodies]]
+  ElasticMaterial material;
+  LightTreatment light;
 };
 
 /// Settings that every analysis has, complete.
 struct RunSettings {
   Analysis analysis = Analysis::Eigen;
+  std::vector<RunBody> bodies;      ///< [[bodies]]; empty: one body of `model`, `material` and `light`
   std::filesystem::path model;      ///< interchange file
   std::filesystem::path output;     ///< results file; empty: none is written
   std::optional<std::string> units; ///< label that must match the model's length_unit
   ElasticMaterial material;
   MassType mass = MassType::Consistent;
   LightTreatment light;
+  std::vector<Tie> ties;
   std::vector<Support> supports;
   EigenSettings eigen;
   StaticSettings statics;
@@ -58,6 +85,9 @@ TypedRun read_run_file(const std::filesystem::path& file);
 TypedRun override_run(TypedRun file, const TypedRun& flags);
 /// @throws InputError naming what is missing or impossible
 RunSettings validate_run(const TypedRun& typed, Analysis analysis);
+
+/// The bodies of a run, whether it names them or not.
+std::vector<RunBody> bodies_of(const RunSettings& run);
 
 const char* name_of(MassType mass);
 const char* name_of(LightFunctions remedy);

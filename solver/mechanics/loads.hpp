@@ -19,6 +19,7 @@ enum class LoadKind {
 
 struct Load {
   std::string name;
+  std::string body; ///< that it acts on; empty: the only one that has such a surface or place, body forces: all
   LoadKind kind = LoadKind::Traction;
   RegionChoice region;
   Point3 vector{};     ///< in `frame`

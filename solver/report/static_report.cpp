@@ -1,6 +1,7 @@
 #include "solver/report/static_report.hpp"
 
 #include "format/model/vec3.hpp"
+#include "solver/report/analysis_report.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -35,13 +36,33 @@ std::vector<double> slice(const std::vector<double>& values, std::size_t k, std:
   return {first, first + static_cast<std::ptrdiff_t>(width)};
 }
 
+void add_largest(JsonObject& report, const std::string& name, const LargestValue& largest, const BodySystem& system) {
+  report.add(name, largest.value).add(name + "_at", largest.at);
+  if (system.size() > 1) report.add(name + "_body", system[largest.body].name);
+}
+
+std::vector<JsonObject> json_of_ties(const StaticSolution& s) {
+  std::vector<JsonObject> ties = json_of(s.ties);
+  for (std::size_t k = 0; k < ties.size(); ++k)
+    ties[k].add("force", s.tie_forces[k].force).add("moment_about_origin", s.tie_forces[k].moment)
+        .add("largest_jump", s.tie_forces[k].largest_jump);
+  return ties;
+}
+
 } // namespace
 
-std::string static_text(const StaticSolution& s) {
+std::string static_text(const StaticSolution& s, const BodySystem& system) {
   std::string out;
   const double unit = force_unit(s);
   const auto line = [&](const std::string& words) { out += words + "\n"; };
   line(fmt::format("system: {} constraints, factor {:.3g} MiB", s.num_constraints, s.cost.bytes / (1024.0 * 1024.0)));
+  for (std::size_t k = 0; k < s.ties.size(); ++k) {
+    const TieReport& t = s.ties[k];
+    line(fmt::format("tie '{}' of '{}' and '{}': area {:.6g} of {:.6g} and {:.6g} chosen, largest gap {:.3g}", t.name,
+                     t.bodies[0], t.bodies[1], t.area, t.chosen[0], t.chosen[1], t.largest_gap));
+    line(fmt::format("  force on '{}' {}, largest jump of the displacement {:.3g}", t.bodies[0],
+                     text(s.tie_forces[k].force, unit), s.tie_forces[k].largest_jump));
+  }
   for (const SupportResult& r : s.result.supports) {
     line(fmt::format("support '{}' ({}): area {:.6g}, centroid {}", r.name, r.method, r.area, text(r.centroid)));
     line(fmt::format("  reaction {}, moment about the centroid {}", text(r.force, unit), text(r.moment)));
@@ -53,13 +74,15 @@ std::string static_text(const StaticSolution& s) {
   }
   line(fmt::format("balance of forces {}, relative residual {:.2g}", text(s.force_balance, unit), s.residual));
   const StaticResult& r = s.result;
-  line(fmt::format("strain energy {:.8g} + penalty energy of the supports {:.8g}", r.strain_energy, r.penalty_energy));
-  line(fmt::format(
-      "  = work of the loads {:.8g} + of the reactions on prescribed displacements {:.8g} + of the stress on "
-      "what the supports give way {:.8g}; off by {:.2g}",
-      r.external_work, r.support_work, r.gap_work, energy_defect(r)));
-  line(fmt::format("largest displacement {:.6g} at {}", s.largest_displacement, text(s.largest_displacement_at)));
-  line(fmt::format("largest von Mises stress {:.6g} at {}", s.largest_von_mises, text(s.largest_von_mises_at)));
+  const char* const holders = s.ties.empty() ? "the supports" : "supports and ties";
+  line(fmt::format("strain energy {:.8g} + penalty energy of {} {:.8g}", r.strain_energy, holders, r.penalty_energy));
+  line(fmt::format("  = work of the loads {:.8g} + of the reactions on prescribed displacements {:.8g} + of the stress on "
+                   "what {} give way {:.8g}; off by {:.2g}",
+                   r.external_work, r.support_work, holders, r.gap_work, energy_defect(r)));
+  for (const auto& [what, largest] : {std::pair{"displacement", &s.largest_displacement},
+                                      std::pair{"von Mises stress", &s.largest_von_mises}})
+    line(fmt::format("largest {} {:.6g} at {}{}", what, largest->value, text(largest->at),
+                     of_body(system, largest->body)));
   const ProbeResult& p = s.result.probes;
   for (std::size_t k = 0; k < p.names.size(); ++k) {
     line(fmt::format("probe '{}' at {}", p.names[k], text(point(p.positions, k))));
@@ -70,7 +93,7 @@ std::string static_text(const StaticSolution& s) {
   return out;
 }
 
-JsonObject static_json(const StaticSolution& s) {
+JsonObject static_json(const StaticSolution& s, const BodySystem& system) {
   std::vector<JsonObject> supports, loads, probes;
   for (const SupportResult& r : s.result.supports) {
     supports.push_back({});
@@ -98,8 +121,9 @@ JsonObject static_json(const StaticSolution& s) {
   report.add("strain_energy", s.result.strain_energy).add("external_work", s.result.external_work);
   report.add("support_work", s.result.support_work).add("gap_work", s.result.gap_work);
   report.add("penalty_energy", s.result.penalty_energy).add("energy_defect", energy_defect(s.result));
-  report.add("largest_displacement", s.largest_displacement).add("largest_displacement_at", s.largest_displacement_at);
-  report.add("largest_von_mises", s.largest_von_mises).add("largest_von_mises_at", s.largest_von_mises_at);
+  add_largest(report, "largest_displacement", s.largest_displacement, system);
+  add_largest(report, "largest_von_mises", s.largest_von_mises, system);
+  if (!s.ties.empty()) report.add("ties", json_of_ties(s));
   report.add("factor_bytes", s.cost.bytes).add("timings", timings);
   return report;
 }

@@ -134,6 +134,11 @@ Point3 normal_of(const TriangleMesh& mesh, std::size_t triangle) {
   return length > 0 ? times(n, 1 / length) : n;
 }
 
+[[noreturn]] void refuse_empty(const TrimmedModel& model, const RegionChoice& choice, const std::string& what) {
+  throw InputError(fmt::format("{}: no part of the surface meets its choice ({}); {}", what, describe(choice),
+                               regions_that_exist(model)));
+}
+
 // Appends a point to the cell that is being filled.
 void add_point(SurfaceRegion& region, const Point3& u, double weight, const Point3& normal, const Point3& origin,
                Point3& first_moment) {
@@ -186,12 +191,25 @@ SurfaceRegion choose_region(const TrimmedModel& model, const RegionChoice& choic
     region.cells.push_back(static_cast<std::int64_t>(a));
     region.offsets.push_back(static_cast<std::int64_t>(region.weights.size()));
   }
-  if (!(region.report.area > 0))
-    throw InputError(fmt::format("{}: no part of the surface meets its choice ({}); {}", what, describe(choice),
-                                 regions_that_exist(model)));
+  if (!(region.report.area > 0)) refuse_empty(model, choice, what);
   region.report.points = static_cast<std::int64_t>(region.weights.size());
   region.report.centroid = model.grid.to_position(plus(model.grid.A(), times(first, 1 / region.report.area)));
   return region;
+}
+
+std::vector<ChosenPolygon> choose_polygons(const TrimmedModel& model, const RegionChoice& choice,
+                                           const std::string& what) {
+  const Chooser chooser(model, choice, what);
+  const TriangleMesh& mesh = model.surface.mesh;
+  std::vector<ChosenPolygon> polygons;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Point3 normal = normal_of(mesh, t);
+    CutTriangle cut = chooser.choose(t, normal);
+    if (cut.part != CutTriangle::Part::None && norm(normal) > 0)
+      polygons.push_back({t, normal, std::move(cut.polygon)});
+  }
+  if (polygons.empty()) refuse_empty(model, choice, what);
+  return polygons;
 }
 
 PointBatch gather(const TrimmedModel& model, const SurfaceRegion& region, std::size_t s) {

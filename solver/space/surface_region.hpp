@@ -49,6 +49,16 @@ struct SurfaceRegion {
 /// @throws InputError for a choice without area, with what was asked for and the regions that exist
 SurfaceRegion choose_region(const TrimmedModel& model, const RegionChoice& choice, const std::string& what);
 
+/// What a choice leaves of one triangle of the surface.
+struct ChosenPolygon {
+  std::size_t triangle = 0;
+  Point3 normal{};             ///< outward, unit
+  std::vector<Point3> corners; ///< convex, anticlockwise seen from outside; length, the part's frame
+};
+/// The same choice as polygons, in the order of the triangles. Throws as choose_region.
+std::vector<ChosenPolygon> choose_polygons(const TrimmedModel& model, const RegionChoice& choice,
+                                           const std::string& what);
+
 /// Some points of one cell, gathered so that shape functions can be evaluated at once.
 struct PointBatch {
   std::int64_t cell = 0;

@@ -13,6 +13,7 @@ enum class SupportMethod { Nitsche, Penalty, Lagrange };
 /// Component d of the prescribed displacement is value[d] + gradient[d] · x, x in the part's axes (length).
 struct Support {
   std::string name;
+  std::string body; ///< that it holds; empty: the only one that has such surface
   RegionChoice region;
   std::array<bool, 3> fixed{true, true, true};
   /// Instead of `fixed`: the component along the surface's own normal alone, point by point (symmetry plane,
@@ -46,9 +47,12 @@ struct SupportTerms {
 /// Adds the supports' stiffness to K (same sparsity: all terms are local to a span) and returns the rest.
 /// The result is positive definite without constraints where the supports hold the part (free_rigid_motions in
 /// support_check.hpp).
+/// @param tied        surfaces of the body that draw on the same strain energy as Nitsche's supports; they get their β
+/// @param first_node  of the body in a K of several
 /// @throws InputError for a region without area or a symmetry frame without directions, naming the support
 SupportTerms apply_supports(const SolutionSpace& space, const ElasticMaterial& material,
-                            std::span<const Support> supports, StiffnessMatrix& K);
+                            std::span<const Support> supports, StiffnessMatrix& K,
+                            std::span<PreparedSupport* const> tied = {}, std::int64_t first_node = 0);
 
 /// Force of a support on the part and its moment about the origin.
 struct Reaction {
