@@ -99,7 +99,7 @@ RunBody run_body(const TypedRun& typed, const TypedBody& body, Analysis analysis
   const MaterialPlace place = place_of_material(body);
   const TypedMaterial material = body.material.value_or(common_material(typed));
   if (!material.rho) need_density(typed, analysis, body.file.name, place);
-  RunBody of_run{body.file, {}, {}};
+  RunBody of_run{body.file, {}, {}, material.rho.has_value()};
   try {
     of_run.material = turned(material_of(material, place), body.file.place.R);
     of_run.light = light_treatment(mass, body.light_functions ? body.light_functions : typed.light_functions,
@@ -224,7 +224,7 @@ TypedRun read_run_file(const std::filesystem::path& file) {
 
 std::vector<RunBody> bodies_of(const RunSettings& run) {
   if (!run.bodies.empty()) return run.bodies;
-  return {{{{}, {}, run.model, {}}, run.material, run.light}};
+  return {{{{}, {}, run.model, {}}, run.material, run.light, run.has_density}};
 }
 
 TypedRun override_run(TypedRun t, const TypedRun& flags) {
@@ -266,6 +266,7 @@ RunSettings validate_run(const TypedRun& typed, Analysis analysis) {
     run.model = *typed.model;
     if (!typed.rho) need_density(typed, analysis, "", {});
     run.material = material_of(common_material(typed), {});
+    run.has_density = typed.rho.has_value();
     run.light = light_treatment(run.mass, typed.light_functions, typed.light_threshold);
   }
   run.ties = typed.ties;

@@ -54,6 +54,7 @@ struct RunBody {
   BodyFile file; ///< without a name where the run has no [[bodies]]
   ElasticMaterial material;
   LightTreatment light;
+  bool has_density = true; ///< false: the material's density stands for none
 };
 
 /// Settings that every analysis has, complete.
@@ -66,6 +67,7 @@ struct RunSettings {
   ElasticMaterial material;
   MassType mass = MassType::Consistent;
   LightTreatment light;
+  bool has_density = true; ///< as in RunBody
   std::vector<Tie> ties;
   std::vector<Support> supports;
   EigenSettings eigen;

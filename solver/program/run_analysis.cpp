@@ -40,9 +40,8 @@ void read_models(AnalysisRun& run) {
     const bool moved = !(body.file.place == Placement{});
     run.models.push_back(moved ? placed(std::move(model), body.file.place) : std::move(model));
     check_units(run, b);
-    const bool has_density = run.command.typed.rho || !run.settings.bodies.empty();
     warn(run, prefixed(body.file.model.filename().string(),
-                       model_warnings(run.models[b], has_density ? &body.material : nullptr)));
+                       model_warnings(run.models[b], body.has_density ? &body.material : nullptr)));
   }
 }
 
