@@ -138,8 +138,7 @@ void write_parts(const std::filesystem::path& path, Results& results) {
   if (error)
     throw InputError(fmt::format("{}: the folder cannot be made: {}", fields_folder(path).string(), error.message()));
   std::vector<BodyMesh> meshes;
-  for (const BodyPart& part : results.parts)
-    meshes.push_back({part.name, part.active_functions, part.surface.output});
+  for (const BodyPart& part : results.parts) meshes.push_back({part.name, part.active_functions, part.surface.output});
   write_body_meshes(folder / bodies_file(path), meshes);
   results.fields = FieldIndex{bodies_file(path), results.parts.front().surface.steps, {}};
   for (std::size_t step = 0; step < results.fields->times.size(); ++step) {

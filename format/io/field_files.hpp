@@ -1,5 +1,5 @@
-// Fields of explicit analyses and of several bodies: files of their own beside the results file, so that what grows step
-// by step is only ever added to by new files.
+// Fields of explicit analyses and of several bodies: files of their own beside the results file, so that what grows
+// step by step is only ever added to by new files.
 #pragma once
 
 #include "format/model/results.hpp"

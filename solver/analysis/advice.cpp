@@ -22,7 +22,8 @@ std::string span_changes(const TrimmedModel& model) {
 std::string numerical_advice(const RunSettings& run, std::span<const TrimmedModel> models) {
   std::vector<std::string> changes;
   const std::vector<RunBody> bodies = bodies_of(run);
-  if (std::any_of(bodies.begin(), bodies.end(), [](const RunBody& b) { return !extends(b.light.remedy); })) changes.push_back("--light-functions degree-p (functions on slivers follow others)");
+  if (std::any_of(bodies.begin(), bodies.end(), [](const RunBody& b) { return !extends(b.light.remedy); }))
+    changes.push_back("--light-functions degree-p (functions on slivers follow others)");
   if (run.mass != MassType::Consistent && run.analysis == Analysis::Eigen) changes.push_back("--mass consistent");
   std::string spans;
   for (std::size_t b = 0; b < bodies.size(); ++b)

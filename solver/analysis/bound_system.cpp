@@ -64,7 +64,10 @@ BoundSystem bind_system(const BodySystem& system, const RunSettings& run, Stopwa
                                            nitsche_sides(bound.ties, b), system[b].first_node));
   join_terms(system, bound);
   std::vector<std::size_t> next(system.size());
-  for (const std::size_t b : bound.support_body) bound.regions.push_back(bound.of_body[b].regions[next[b]++]);
+  for (const std::size_t b : bound.support_body) {
+    bound.regions.push_back(bound.of_body[b].regions[next[b]++]);
+    bound.regions.back().body = system.name_among_several(b);
+  }
   if (!run.supports.empty()) watch.stage("supports");
   add_ties(system, bound.ties, bound.K);
   if (!run.ties.empty()) watch.stage("ties");

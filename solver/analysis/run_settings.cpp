@@ -140,7 +140,8 @@ std::vector<io::TableKeys> run_keys() {
       {"eigen", {"modes", "largest", "sturm"}},
       {"results", {"subdivide", "viewer"}},
       {"load", {"body"}},
-      {"support", {"name", "body", "fixed", "rotation", "rotate_axis_angle", "value", "gradient", "method", "penalty_factor"}},
+      {"support",
+       {"name", "body", "fixed", "rotation", "rotate_axis_angle", "value", "gradient", "method", "penalty_factor"}},
       {"probe", {"name", "body", "position"}}};
   for (const auto& more : {load_keys("load"), region_keys("support"), body_file_keys(), tie_keys()})
     keys.insert(keys.end(), more.begin(), more.end());

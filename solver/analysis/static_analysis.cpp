@@ -40,9 +40,9 @@ std::unique_ptr<LinearSolver> factorise(const BoundSystem& bound, io::Progress* 
 
 /// Loads of all bodies.
 struct SystemLoads {
-  Eigen::VectorXd load;                          ///< (num_unknowns)
-  std::vector<LoadReport> reports;               ///< by load of the run
-  std::vector<std::vector<std::size_t>> bodies;  ///< by load of the run: those that it acts on
+  Eigen::VectorXd load;                         ///< (num_unknowns)
+  std::vector<LoadReport> reports;              ///< by load of the run
+  std::vector<std::vector<std::size_t>> bodies; ///< by load of the run: those that it acts on
 };
 
 std::vector<std::size_t> bodies_of_load(const BodySystem& system, const Load& load) {
@@ -76,6 +76,7 @@ SystemLoads assemble_loads(const BodySystem& system, std::span<const Load> loads
       terms.reports[0].moment = plus(terms.reports[0].moment, sum.moment);
       sum = std::move(terms.reports[0]);
     }
+    if (all.bodies.back().size() == 1) sum.region.body = system.name_among_several(all.bodies.back()[0]);
     all.reports.push_back(std::move(sum));
   }
   return all;
@@ -94,8 +95,8 @@ std::vector<LocatedProbe> locate_probes(const BodySystem& system, std::span<cons
   for (const SystemBody& body : system) locators.emplace_back(body.space->model());
   for (const Probe& probe : probes) {
     const std::string what = fmt::format("probe '{}'", probe.name);
-    const std::size_t b = chosen_body(system, probe.body, what,
-                                      [&](std::size_t body) { locators[body].locate(probe.position, what); });
+    const std::size_t b =
+        chosen_body(system, probe.body, what, [&](std::size_t body) { locators[body].locate(probe.position, what); });
     located.push_back({b, locators[b].locate(probe.position, what)});
   }
   return located;
@@ -211,8 +212,8 @@ void describe_forces(const RunSettings& run, const StaticSettings& settings, con
   for (std::size_t s = 0; s < run.supports.size(); ++s) {
     const RegionReport& region = solution.regions[s];
     const Reaction& reaction = solution.reactions[s];
-    solution.result.supports.push_back({reaction.name, name_of(run.supports[s].method), region.area,
-                                        region.centroid, reaction.force,
+    solution.result.supports.push_back({reaction.name, name_of(run.supports[s].method), region.area, region.centroid,
+                                        reaction.force,
                                         moment_about(region.centroid, reaction.moment, reaction.force)});
     solution.force_balance = plus(solution.force_balance, reaction.force);
     solution.moment_balance = plus(solution.moment_balance, reaction.moment);
@@ -325,6 +326,7 @@ StaticSolution run_static(const RunSettings& run, const StaticSettings& settings
 
   show_stage(run.progress, "fields");
   recover_bodies(system, solution);
+  for (const LocatedProbe& probe : probes) solution.probe_bodies.push_back(system.name_among_several(probe.body));
   solution.result.probes = recover_probes(system, solution.unknowns, settings.probes, probes);
   solution.result.external_work = 0.5 * loads.load.dot(solution.unknowns);
   solution.reactions = reactions(system, bound, solution.unknowns, solution.multipliers);

@@ -26,18 +26,19 @@ struct LargestValue {
 
 /// The solution and what a user checks first.
 struct StaticSolution {
-  Eigen::VectorXd unknowns;          ///< (num_unknowns) of the system
-  Eigen::VectorXd multipliers;       ///< (constraints)
-  StaticResult result;               ///< as the results file holds it; of several bodies without their fields
-  std::vector<StaticBody> bodies;    ///< fields of several bodies; none where there is one
-  std::vector<RegionReport> regions; ///< of the supports
-  std::vector<LoadReport> loads;     ///< resultants about the origin
-  std::vector<Reaction> reactions;   ///< about the origin
+  Eigen::VectorXd unknowns;              ///< (num_unknowns) of the system
+  Eigen::VectorXd multipliers;           ///< (constraints)
+  StaticResult result;                   ///< as the results file holds it; of several bodies without their fields
+  std::vector<StaticBody> bodies;        ///< fields of several bodies; none where there is one
+  std::vector<RegionReport> regions;     ///< of the supports
+  std::vector<LoadReport> loads;         ///< resultants about the origin
+  std::vector<Reaction> reactions;       ///< about the origin
+  std::vector<std::string> probe_bodies; ///< by probe; empty names where there is one body
   std::vector<TieReport> ties;
-  std::vector<TieForce> tie_forces;  ///< about the origin
-  FieldSamples surface;              ///< one step, at model.surface.quadrature; of one body
-  LargestValue largest_displacement; ///< length, over quadrature points of volume and surface
-  LargestValue largest_von_mises;    ///< force/length², over the same points
+  std::vector<TieForce> tie_forces;         ///< about the origin
+  FieldSamples surface;                     ///< one step, at model.surface.quadrature; of one body
+  LargestValue largest_displacement;        ///< length, over quadrature points of volume and surface
+  LargestValue largest_von_mises;           ///< force/length², over the same points
   double residual = 0;                      ///< ‖f - K u - Cᵀ λ‖ / ‖f‖ after one step of refinement
   Point3 force_balance{}, moment_balance{}; ///< Σ loads + Σ reactions
   FactorCost cost;

@@ -244,14 +244,15 @@ StiffnessMatrix::StiffnessMatrix(std::shared_ptr<const Connectivity> connectivit
 void StiffnessMatrix::add(std::span<const std::int32_t> nodes, const Eigen::Ref<const Eigen::MatrixXd>& block,
                           std::int32_t first_node) {
   const NodePattern& p = pattern();
-  for_runs(p, nodes, first_node, [&](Eigen::Index r, Eigen::Index c, Eigen::Index n, std::size_t column, std::ptrdiff_t place) {
-    const std::int64_t height = p.offsets[column + 1] - p.offsets[column];
-    double* out = values_.data() + 9 * p.offsets[column] + 3 * place;
-    for (Eigen::Index b = 0; b < 3; ++b, out += 3 * height) {
-      const double* in = &block.coeffRef(3 * r, 3 * c + b);
-      for (Eigen::Index k = 0; k < 3 * n; ++k) out[k] += in[k];
-    }
-  });
+  for_runs(p, nodes, first_node,
+           [&](Eigen::Index r, Eigen::Index c, Eigen::Index n, std::size_t column, std::ptrdiff_t place) {
+             const std::int64_t height = p.offsets[column + 1] - p.offsets[column];
+             double* out = values_.data() + 9 * p.offsets[column] + 3 * place;
+             for (Eigen::Index b = 0; b < 3; ++b, out += 3 * height) {
+               const double* in = &block.coeffRef(3 * r, 3 * c + b);
+               for (Eigen::Index k = 0; k < 3 * n; ++k) out[k] += in[k];
+             }
+           });
 }
 
 void StiffnessMatrix::multiply(const double* x, double* y) const {
@@ -302,13 +303,14 @@ MassMatrix::MassMatrix(std::shared_ptr<const Connectivity> connectivity)
     : connectivity_(std::move(connectivity)), values_(static_cast<std::size_t>(pattern().num_pairs())) {}
 
 void MassMatrix::add(std::span<const std::int32_t> nodes, const Eigen::Ref<const Eigen::MatrixXd>& block,
-                          std::int32_t first_node) {
+                     std::int32_t first_node) {
   const NodePattern& p = pattern();
-  for_runs(p, nodes, first_node, [&](Eigen::Index r, Eigen::Index c, Eigen::Index n, std::size_t column, std::ptrdiff_t place) {
-    double* out = values_.data() + p.offsets[column] + place;
-    const double* in = &block.coeffRef(r, c);
-    for (Eigen::Index k = 0; k < n; ++k) out[k] += in[k];
-  });
+  for_runs(p, nodes, first_node,
+           [&](Eigen::Index r, Eigen::Index c, Eigen::Index n, std::size_t column, std::ptrdiff_t place) {
+             double* out = values_.data() + p.offsets[column] + place;
+             const double* in = &block.coeffRef(r, c);
+             for (Eigen::Index k = 0; k < n; ++k) out[k] += in[k];
+           });
 }
 
 void MassMatrix::multiply(const double* x, double* y) const {

@@ -31,8 +31,7 @@ Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> BodySystem::node_point
   return points;
 }
 
-std::shared_ptr<const Connectivity>
-BodySystem::connectivity(std::span<const std::vector<std::int32_t>> coupled) const {
+std::shared_ptr<const Connectivity> BodySystem::connectivity(std::span<const std::vector<std::int32_t>> coupled) const {
   std::vector<const SolutionSpace*> spaces;
   for (const SystemBody& body : bodies_) spaces.push_back(body.space.get());
   return std::make_shared<const Connectivity>(spaces, coupled);

@@ -36,6 +36,9 @@ class BodySystem {
   /// "body 'a': " to open messages; nothing where there is one body.
   std::string prefix(std::size_t b) const;
 
+  /// Its name, nothing where there is one body.
+  std::string name_among_several(std::size_t b) const { return size() == 1 ? "" : bodies_[b].name; }
+
   /// The unknowns of one body among those of all.
   template <class Vector> auto part(Vector&& all, std::size_t b) const {
     return all.segment(bodies_[b].first_unknown(), bodies_[b].space->num_unknowns());

@@ -30,6 +30,8 @@ const char* const analysis_footer =
     R"(Any consistent set of units: E in force/length², rho in mass/length³, frequencies in cycles per time. The run file
 (.toml) holds the flags' names with underscores: model, output, units, mass, light_functions, light_threshold;
 [material] E, nu, rho or C; [eigen] modes, largest, sturm; [results] subdivide, viewer; [[support]], [[load]], [[probe]].
+Several bodies, instead of model: [[bodies]] name, model, material, place, light_functions, light_threshold; [[ties]] name,
+bodies, first, second, tolerance, method, penalty_factor join their surfaces; supports, loads and probes say their body.
 Paths in it are relative to its folder; flags override it.)";
 
 const char* const explicit_footer =

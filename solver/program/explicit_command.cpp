@@ -1,7 +1,7 @@
 #include "solver/program/explicit_command.hpp"
 
-#include "format/io/interrupt.hpp"
 #include "format/io/field_files.hpp"
+#include "format/io/interrupt.hpp"
 #include "format/io/output_claim.hpp"
 #include "format/io/results_io.hpp"
 #include "format/io/sha256.hpp"

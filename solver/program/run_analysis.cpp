@@ -27,9 +27,10 @@ void check_units(const AnalysisRun& run, std::size_t b) {
                                  "loads, or make the model with igaprep --length-unit {}",
                                  file.string(), unit, *asked, *asked));
   if (unit != first)
-    throw InputError(fmt::format("{}: its length unit is \"{}\", but that of {} is \"{}\"; make the models with the same "
-                                 "igaprep --length-unit",
-                                 file.string(), unit, run.bodies[0].file.model.string(), first));
+    throw InputError(
+        fmt::format("{}: its length unit is \"{}\", but that of {} is \"{}\"; make the models with the same "
+                    "igaprep --length-unit",
+                    file.string(), unit, run.bodies[0].file.model.string(), first));
 }
 
 // The models of all bodies, in their places.

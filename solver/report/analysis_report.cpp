@@ -90,7 +90,8 @@ void add_models(io::JsonObject& report, const AnalysisRun& run, const BodySystem
 
 void add_ties(TextReport& report, const std::vector<TieReport>& ties) {
   for (const TieReport& t : ties)
-    report.line("tie", "{}: '{}' and '{}': area {:.8g} of {:.6g} and {:.6g} chosen, largest gap {:.3g} (tolerance {:.3g})",
+    report.line("tie",
+                "{}: '{}' and '{}': area {:.8g} of {:.6g} and {:.6g} chosen, largest gap {:.3g} (tolerance {:.3g})",
                 t.name, t.bodies[0], t.bodies[1], t.area, t.chosen[0], t.chosen[1], t.largest_gap, t.tolerance);
 }
 
@@ -110,15 +111,17 @@ std::string of_body(const BodySystem& system, std::size_t body) {
 
 void add_regions(TextReport& report, const std::vector<RegionReport>& regions) {
   for (const RegionReport& r : regions)
-    report.line("support", "{}: area {:.8g}, centroid ({:.6g}), {} points", r.name, r.area, fmt::join(r.centroid, ", "),
-                r.points);
+    report.line("support", "{}{}: area {:.8g}, centroid ({:.6g}), {} points", r.name,
+                r.body.empty() ? "" : fmt::format(" on '{}'", r.body), r.area, fmt::join(r.centroid, ", "), r.points);
 }
 
 std::vector<io::JsonObject> json_of(const std::vector<RegionReport>& regions) {
   std::vector<io::JsonObject> list;
-  for (const RegionReport& r : regions)
+  for (const RegionReport& r : regions) {
     list.push_back(
         io::JsonObject().add("name", r.name).add("area", r.area).add("centroid", r.centroid).add("points", r.points));
+    if (!r.body.empty()) list.back().add("body", r.body);
+  }
   return list;
 }
 
@@ -178,8 +181,7 @@ BodyResult body_head(const AnalysisRun& run, const SystemBody& body, const RunBo
 
 Results results_head(const AnalysisRun& run, const char* analysis, const BodySystem& system) {
   Results results;
-  for (std::size_t b = 0; b < system.size(); ++b)
-    results.bodies.push_back(body_head(run, system[b], run.bodies[b]));
+  for (std::size_t b = 0; b < system.size(); ++b) results.bodies.push_back(body_head(run, system[b], run.bodies[b]));
   // The head of all analyses speaks of one model: the first body's.
   const BodyResult& first = results.bodies.front();
   ResultsHeader& head = results.header;

@@ -36,6 +36,18 @@ std::vector<double> slice(const std::vector<double>& values, std::size_t k, std:
   return {first, first + static_cast<std::ptrdiff_t>(width)};
 }
 
+// A body's name, where it has to be said.
+std::string on(const std::string& body) {
+  return body.empty() ? "" : fmt::format(" on '{}'", body);
+}
+
+JsonObject named(const std::string& name, const std::string& body) {
+  JsonObject object;
+  object.add("name", name);
+  if (!body.empty()) object.add("body", body);
+  return object;
+}
+
 void add_largest(JsonObject& report, const std::string& name, const LargestValue& largest, const BodySystem& system) {
   report.add(name, largest.value).add(name + "_at", largest.at);
   if (system.size() > 1) report.add(name + "_body", system[largest.body].name);
@@ -44,7 +56,9 @@ void add_largest(JsonObject& report, const std::string& name, const LargestValue
 std::vector<JsonObject> json_of_ties(const StaticSolution& s) {
   std::vector<JsonObject> ties = json_of(s.ties);
   for (std::size_t k = 0; k < ties.size(); ++k)
-    ties[k].add("force", s.tie_forces[k].force).add("moment_about_origin", s.tie_forces[k].moment)
+    ties[k]
+        .add("force", s.tie_forces[k].force)
+        .add("moment_about_origin", s.tie_forces[k].moment)
         .add("largest_jump", s.tie_forces[k].largest_jump);
   return ties;
 }
@@ -63,29 +77,34 @@ std::string static_text(const StaticSolution& s, const BodySystem& system) {
     line(fmt::format("  force on '{}' {}, largest jump of the displacement {:.3g}", t.bodies[0],
                      text(s.tie_forces[k].force, unit), s.tie_forces[k].largest_jump));
   }
-  for (const SupportResult& r : s.result.supports) {
-    line(fmt::format("support '{}' ({}): area {:.6g}, centroid {}", r.name, r.method, r.area, text(r.centroid)));
+  for (std::size_t k = 0; k < s.result.supports.size(); ++k) {
+    const SupportResult& r = s.result.supports[k];
+    line(fmt::format("support '{}'{} ({}): area {:.6g}, centroid {}", r.name, on(s.regions[k].body), r.method, r.area,
+                     text(r.centroid)));
     line(fmt::format("  reaction {}, moment about the centroid {}", text(r.force, unit), text(r.moment)));
   }
-  for (const LoadResult& r : s.result.loads) {
-    line(r.area > 0 ? fmt::format("load '{}' ({}): area {:.6g}, centroid {}", r.name, r.kind, r.area, text(r.centroid))
-                    : fmt::format("load '{}' ({}): acts about {}", r.name, r.kind, text(r.centroid)));
+  for (std::size_t k = 0; k < s.result.loads.size(); ++k) {
+    const LoadResult& r = s.result.loads[k];
+    const std::string head = fmt::format("load '{}'{} ({}):", r.name, on(s.loads[k].region.body), r.kind);
+    line(r.area > 0 ? fmt::format("{} area {:.6g}, centroid {}", head, r.area, text(r.centroid))
+                    : fmt::format("{} acts about {}", head, text(r.centroid)));
     line(fmt::format("  resultant {}, moment about it {}", text(r.force, unit), text(r.moment)));
   }
   line(fmt::format("balance of forces {}, relative residual {:.2g}", text(s.force_balance, unit), s.residual));
   const StaticResult& r = s.result;
   const char* const holders = s.ties.empty() ? "the supports" : "supports and ties";
   line(fmt::format("strain energy {:.8g} + penalty energy of {} {:.8g}", r.strain_energy, holders, r.penalty_energy));
-  line(fmt::format("  = work of the loads {:.8g} + of the reactions on prescribed displacements {:.8g} + of the stress on "
-                   "what {} give way {:.8g}; off by {:.2g}",
-                   r.external_work, r.support_work, holders, r.gap_work, energy_defect(r)));
-  for (const auto& [what, largest] : {std::pair{"displacement", &s.largest_displacement},
-                                      std::pair{"von Mises stress", &s.largest_von_mises}})
+  line(fmt::format(
+      "  = work of the loads {:.8g} + of the reactions on prescribed displacements {:.8g} + of the stress on "
+      "what {} give way {:.8g}; off by {:.2g}",
+      r.external_work, r.support_work, holders, r.gap_work, energy_defect(r)));
+  for (const auto& [what, largest] :
+       {std::pair{"displacement", &s.largest_displacement}, std::pair{"von Mises stress", &s.largest_von_mises}})
     line(fmt::format("largest {} {:.6g} at {}{}", what, largest->value, text(largest->at),
                      of_body(system, largest->body)));
   const ProbeResult& p = s.result.probes;
   for (std::size_t k = 0; k < p.names.size(); ++k) {
-    line(fmt::format("probe '{}' at {}", p.names[k], text(point(p.positions, k))));
+    line(fmt::format("probe '{}'{} at {}", p.names[k], on(s.probe_bodies[k]), text(point(p.positions, k))));
     line(fmt::format("  displacement {}, von Mises {:.6g}", text(point(p.fields.displacement, k)),
                      p.fields.von_mises[k]));
     line(fmt::format("  stress xx yy zz xy yz zx: {:.6g}", fmt::join(slice(p.fields.stress, k, 6), "  ")));
@@ -95,20 +114,22 @@ std::string static_text(const StaticSolution& s, const BodySystem& system) {
 
 JsonObject static_json(const StaticSolution& s, const BodySystem& system) {
   std::vector<JsonObject> supports, loads, probes;
-  for (const SupportResult& r : s.result.supports) {
-    supports.push_back({});
-    supports.back().add("name", r.name).add("method", r.method).add("area", r.area).add("centroid", r.centroid);
+  for (std::size_t k = 0; k < s.result.supports.size(); ++k) {
+    const SupportResult& r = s.result.supports[k];
+    supports.push_back(named(r.name, s.regions[k].body));
+    supports.back().add("method", r.method).add("area", r.area).add("centroid", r.centroid);
     supports.back().add("force", r.force).add("moment", r.moment);
   }
-  for (const LoadResult& r : s.result.loads) {
-    loads.push_back({});
-    loads.back().add("name", r.name).add("kind", r.kind).add("area", r.area).add("centroid", r.centroid);
+  for (std::size_t k = 0; k < s.result.loads.size(); ++k) {
+    const LoadResult& r = s.result.loads[k];
+    loads.push_back(named(r.name, s.loads[k].region.body));
+    loads.back().add("kind", r.kind).add("area", r.area).add("centroid", r.centroid);
     loads.back().add("force", r.force).add("moment", r.moment);
   }
   const ProbeResult& p = s.result.probes;
   for (std::size_t k = 0; k < p.names.size(); ++k) {
-    probes.push_back({});
-    probes.back().add("name", p.names[k]).add("position", point(p.positions, k));
+    probes.push_back(named(p.names[k], s.probe_bodies[k]));
+    probes.back().add("position", point(p.positions, k));
     probes.back().add("displacement", point(p.fields.displacement, k));
     probes.back().add("strain", slice(p.fields.strain, k, 6)).add("stress", slice(p.fields.stress, k, 6));
     probes.back().add("von_mises", p.fields.von_mises[k]);

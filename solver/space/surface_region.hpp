@@ -29,8 +29,9 @@ struct RegionChoice {
 struct RegionReport {
   std::string name;
   std::int64_t points = 0;
-  double area = 0;   ///< length²
-  Point3 centroid{}; ///< length, the part's frame
+  double area = 0;       ///< length²
+  Point3 centroid{};     ///< length, the part's frame
+  std::string body = {}; ///< that the region belongs to; empty where there is one
 };
 
 /// Quadrature points of a choice, cell by cell. Triangles that lie in it as a whole bring the model's own points; those

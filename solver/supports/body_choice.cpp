@@ -15,7 +15,8 @@ std::size_t body_by_name(const BodySystem& system, const std::string& name, cons
     known.push_back(system[b].name);
   }
   if (known.size() == 1 && known[0].empty())
-    throw InputError(fmt::format("{}: it names the body '{}', but the run has no [[bodies]]; leave 'body' out", what, name));
+    throw InputError(
+        fmt::format("{}: it names the body '{}', but the run has no [[bodies]]; leave 'body' out", what, name));
   const auto near = io::nearest_name(name, known);
   throw InputError(fmt::format("{}: there is no body '{}'{}; the bodies are '{}'", what, name,
                                near ? fmt::format(", did you mean '{}'?", *near) : "", fmt::join(known, "', '")));
@@ -37,8 +38,8 @@ std::size_t chosen_body(const BodySystem& system, const std::string& name, const
   if (found.size() == 1) return found.front();
   if (found.empty())
     throw InputError(fmt::format("{}: no body has what it asks for\n  {}", what, fmt::join(misses, "\n  ")));
-  throw InputError(fmt::format("{}: the bodies {} all have what it asks for; say which one is meant: body = \"{}\"", what,
-                               fmt::join(names, " and "), system[found.front()].name));
+  throw InputError(fmt::format("{}: the bodies {} all have what it asks for; say which one is meant: body = \"{}\"",
+                               what, fmt::join(names, " and "), system[found.front()].name));
 }
 
 } // namespace iga::solve

@@ -25,7 +25,7 @@ struct Body {
   double volume = 0, radius = 0, support_area = 0;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   Eigen::Matrix<double, 6, 6> held = Eigen::Matrix<double, 6, 6>::Zero(); ///< ∫ (e · v)(e · v) dA over twists
-  std::vector<std::string> names; ///< of the run's bodies that it consists of
+  std::vector<std::string> names;                                         ///< of the run's bodies that it consists of
 };
 
 Eigen::Vector3d as_vector(const Point3& x) {
@@ -35,7 +35,8 @@ Eigen::Vector3d as_vector(const Point3& x) {
 // A span belongs to the body of its nodes; one whose functions were all removed moves with none.
 std::size_t body_of(const SystemBody& part, const Bodies& bodies, std::int64_t a) {
   const auto nodes = part.space->nodes(a);
-  return nodes.empty() ? 0 : static_cast<std::size_t>(bodies.of_node[static_cast<std::size_t>(part.first_node + nodes[0])]);
+  return nodes.empty() ? 0
+                       : static_cast<std::size_t>(bodies.of_node[static_cast<std::size_t>(part.first_node + nodes[0])]);
 }
 
 std::vector<Body> measure(const BodySystem& system, const Bodies& bodies) {
@@ -158,11 +159,11 @@ std::vector<std::string> free_rigid_motions(const BodySystem& system, const Node
   for (std::size_t b = 0; b < all.size(); ++b) {
     const Eigen::MatrixXd twists = free_twists(all[b]);
     if (twists.cols() == 0) continue;
-    const std::string names =
-        system.size() == 1 ? ""
-                           : fmt::format(", {}'{}'", all[b].names.size() > 1 ? "tied: " : "", fmt::join(all[b].names, "', '"));
-    lines.push_back(fmt::format("body {} of {}{} (centre {}, volume {:.4g}) is free to move: {}", b + 1, all.size(), names,
-                                text(all[b].centre, all[b].radius), all[b].volume,
+    const std::string names = system.size() == 1 ? ""
+                                                 : fmt::format(", {}'{}'", all[b].names.size() > 1 ? "tied: " : "",
+                                                               fmt::join(all[b].names, "', '"));
+    lines.push_back(fmt::format("body {} of {}{} (centre {}, volume {:.4g}) is free to move: {}", b + 1, all.size(),
+                                names, text(all[b].centre, all[b].radius), all[b].volume,
                                 fmt::join(describe(all[b], twists), ", ")));
   }
   return lines;

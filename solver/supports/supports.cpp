@@ -172,7 +172,8 @@ SupportTerms apply_supports(const SolutionSpace& space, const ElasticMaterial& m
   nitsche.insert(nitsche.end(), tied.begin(), tied.end());
   nitsche_parameters(space, material, nitsche);
   for (const PreparedSupport& prepared : terms.prepared)
-    if (prepared.support.method != SupportMethod::Lagrange) add_stiffness(space, material, prepared, first_node, K, terms.load);
+    if (prepared.support.method != SupportMethod::Lagrange)
+      add_stiffness(space, material, prepared, first_node, K, terms.load);
   add_constraints(space, material, terms);
   return terms;
 }

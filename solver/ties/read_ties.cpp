@@ -14,7 +14,7 @@ constexpr std::array<const char*, 2> sides{"first", "second"};
 void read_method(io::SettingsTable& table, Tie& tie) {
   const std::array<std::string, 2> methods{"nitsche", "penalty"};
   tie.method = choose(table, "method", table.text("method").value_or(methods[0]), methods) == 0 ? TieMethod::Nitsche
-                                                                                                  : TieMethod::Penalty;
+                                                                                                : TieMethod::Penalty;
   if (table.holds("penalty_factor") && tie.method == TieMethod::Nitsche)
     refuse(table, "penalty_factor", "only method = \"penalty\" takes it; Nitsche's method finds its own");
   tie.penalty_factor = number_from(table, "penalty_factor", tie.penalty_factor, 0, true);

@@ -18,8 +18,8 @@ struct Tie {
   std::string where; ///< "file:line" of the table, opens messages
   /// Names of the two bodies; without them every pair of bodies is looked at.
   std::optional<std::array<std::string, 2>> bodies;
-  std::array<RegionChoice, 2> choice;   ///< of surface of each of the two; no test: the whole surface
-  std::optional<double> tolerance;      ///< length; largest gap or overlap that is tied; default: tie_tolerance of a span
+  std::array<RegionChoice, 2> choice; ///< of surface of each of the two; no test: the whole surface
+  std::optional<double> tolerance;    ///< length; largest gap or overlap that is tied; default: tie_tolerance of a span
   TieMethod method = TieMethod::Nitsche;
   double penalty_factor = 1e3; ///< C in beta = C E / h, of the softer body; for the penalty method
 };
@@ -31,10 +31,10 @@ constexpr double tie_tolerance = 0.01, most_tie_tolerance = 0.5;
 struct TieReport {
   std::string name;
   std::array<std::string, 2> bodies;
-  double area = 0;                   ///< length², on the first body
-  std::array<double, 2> chosen{};    ///< area of each side's choice of surface, length²
-  double largest_gap = 0;            ///< length; distance of the surfaces, apart or overlapping
-  double tolerance = 0;              ///< length
+  double area = 0;                ///< length², on the first body
+  std::array<double, 2> chosen{}; ///< area of each side's choice of surface, length²
+  double largest_gap = 0;         ///< length; distance of the surfaces, apart or overlapping
+  double tolerance = 0;           ///< length
   std::int64_t points = 0;
 };
 
@@ -73,9 +73,10 @@ std::vector<PreparedTie> prepare_ties(std::vector<TieSurface> surfaces);
 /// The sides of Nitsche ties that belong to a body: they draw on the same strain energy as its supports.
 std::vector<PreparedSupport*> nitsche_sides(std::span<PreparedTie> ties, std::size_t body);
 
-/// Adds K_ab = -(B + Bᵀ) + β M with B = ∫ [v]·{t} over the tied surface, [u] = u_a - u_b, {t} = γ_a σ_a n + γ_b σ_b n. With
-/// β_a, β_b of the cells, γ_a = β_b / (β_a + β_b) and β = β_a β_b / (β_a + β_b): the stiffer or the worse supported side
-/// weighs less, and the sum stays positive definite (Annavarapu, Hautefeuille, Dolbow 2012). @pre β of all sides is there
+/// Adds K_ab = -(B + Bᵀ) + β M with B = ∫ [v]·{t} over the tied surface, [u] = u_a - u_b, {t} = γ_a σ_a n + γ_b σ_b n.
+/// With β_a, β_b of the cells, γ_a = β_b / (β_a + β_b) and β = β_a β_b / (β_a + β_b): the stiffer or the worse
+/// supported side weighs less, and the sum stays positive definite (Annavarapu, Hautefeuille, Dolbow 2012). @pre β of
+/// all sides is there
 void add_ties(const BodySystem& system, std::span<const PreparedTie> ties, StiffnessMatrix& K);
 
 /// What goes through a tie.

@@ -98,11 +98,11 @@ class Matcher {
       std::sort(near.begin(), near.end());
       for (const std::size_t j : near) match(i, j);
       if (area_ - before > (1 + double_share) * a.areas[i])
-        throw InputError(fmt::format("{}: within the tolerance of {:.4g} the surface near ({:.6g}, {:.6g}, {:.6g}) lies "
-                                     "on several layers of the other body; choose a smaller tolerance, or the surface "
-                                     "of either body",
-                                     what, tolerance_, a.polygons[i].corners[0][0], a.polygons[i].corners[0][1],
-                                     a.polygons[i].corners[0][2]));
+        throw InputError(fmt::format(
+            "{}: within the tolerance of {:.4g} the surface near ({:.6g}, {:.6g}, {:.6g}) lies "
+            "on several layers of the other body; choose a smaller tolerance, or the surface "
+            "of either body",
+            what, tolerance_, a.polygons[i].corners[0][0], a.polygons[i].corners[0][1], a.polygons[i].corners[0][2]));
     }
   }
 
@@ -156,8 +156,7 @@ class Matcher {
       area_ += area;
       for (const TrianglePoint& q : rule_) {
         point.position = {};
-        for (std::size_t c = 0; c < 3; ++c)
-          point.position = plus(point.position, times(corner[c], q.barycentric[c]));
+        for (std::size_t c = 0; c < 3; ++c) point.position = plus(point.position, times(corner[c], q.barycentric[c]));
         point.weight = area * q.weight;
         points_.push_back(point);
       }
@@ -261,13 +260,14 @@ std::vector<TieSurface> find_ties(const BodySystem& system, std::span<const Tie>
       found.push_back(std::move(surface));
     }
     if (found.size() == before)
-      throw InputError(fmt::format("{}: nothing is tied: no surfaces of {} face each other within the tolerance of "
-                                   "{:.4g}; the smallest distance found is {:.4g}; choose other surfaces, move the bodies "
-                                   "([bodies.place]), or raise 'tolerance'",
-                                   what,
-                                   tie.bodies ? fmt::format("'{}' and '{}'", (*tie.bodies)[0], (*tie.bodies)[1])
-                                              : std::string("different bodies"),
-                                   used, nearest));
+      throw InputError(
+          fmt::format("{}: nothing is tied: no surfaces of {} face each other within the tolerance of "
+                      "{:.4g}; the smallest distance found is {:.4g}; choose other surfaces, move the bodies "
+                      "([bodies.place]), or raise 'tolerance'",
+                      what,
+                      tie.bodies ? fmt::format("'{}' and '{}'", (*tie.bodies)[0], (*tie.bodies)[1])
+                                 : std::string("different bodies"),
+                      used, nearest));
   }
   return found;
 }

@@ -112,8 +112,9 @@ TEST(Ties, LinearFieldAcrossUnlikeGridsDegreesAndRotations) {
     }
   load("b", {0, 0, 1});
   // What the second block leaves free of the face.
-  for (const Box3& rest : {Box3{{0, 0, 0.4}, {low[0], 1, 0.6}}, Box3{{high[0], 0, 0.4}, {1, 1, 0.6}},
-                           Box3{{low[0], 0, 0.4}, {high[0], low[1], 0.6}}, Box3{{low[0], high[1], 0.4}, {high[0], 1, 0.6}}})
+  for (const Box3& rest :
+       {Box3{{0, 0, 0.4}, {low[0], 1, 0.6}}, Box3{{high[0], 0, 0.4}, {1, 1, 0.6}},
+        Box3{{low[0], 0, 0.4}, {high[0], low[1], 0.6}}, Box3{{low[0], high[1], 0.4}, {high[0], 1, 0.6}}})
     load("a", {0, 0, 1}, rest);
   for (const auto& [p, q] : {std::pair{1, 2}, std::pair{2, 3}, std::pair{3, 2}}) {
     Assembly assembly;
@@ -143,8 +144,7 @@ TEST_P(CompositeBeam, BendsExactly) {
   const double z0 = (soft * split * split / 2 + stiff * (height * height - split * split) / 2) /
                     (soft * split + stiff * (height - split));
   Assembly assembly;
-  assembly.add(make_part(box({0, 0, 0}, {L, 0.5, split}), {2, 0.27, 0.4, 4, identity_rotation}),
-               isotropic(soft, 0, 1));
+  assembly.add(make_part(box({0, 0, 0}, {L, 0.5, split}), {2, 0.27, 0.4, 4, identity_rotation}), isotropic(soft, 0, 1));
   assembly.add(make_part(box({0, 0, split}, {L, 0.5, height}), {3, 0.4, 0.2, 6, identity_rotation}),
                isotropic(stiff, 0, 1));
   assembly.run.ties = {tie_of()};
@@ -165,7 +165,8 @@ TEST_P(CompositeBeam, BendsExactly) {
     for (std::size_t q = 0; 3 * q < body.positions.size(); ++q) {
       const double x = body.positions[3 * q], z = body.positions[3 * q + 2];
       const Point3 exact{kappa * x * (z - z0), 0, -kappa * x * x / 2};
-      for (std::size_t d = 0; d < 3; ++d) worst = std::max(worst, std::abs(body.points.displacement[3 * q + d] - exact[d]));
+      for (std::size_t d = 0; d < 3; ++d)
+        worst = std::max(worst, std::abs(body.points.displacement[3 * q + d] - exact[d]));
     }
   std::printf("  composite beam: error %.1e of %.1e\n", worst, kappa * L * L / 2);
   EXPECT_LT(worst, 1e-9 * kappa * L * L / 2);
