@@ -11,9 +11,8 @@ Of a part (igaprep part.stl -o part.h5):
 Of results (igasolve eigen part.h5 … -o modes.h5, igasolve static …):
   <modes>_modes.png     the first six elastic modes on one sheet
   <modes>_mode_<n>.png  one mode each, for --mode n (numbers of the results file, the first is 1)
-  <static>_static.png   the deformed part
-  <explicit>_frames.png six times of an explicit run, cut in half, in their true places (--whole: not cut); runs of several
-                        bodies likewise: six modes, or the load step
+  <static>_static.png   the deformed part, or several bodies
+  <explicit>_frames.png six times of an explicit run, cut in half, in their true places (--whole: not cut)
 
 Of a run file (scripts/render.py --choices run.toml; igasolve static and eigen):
   <run>_choices.png     the part from both sides, the surface that each support and load has chosen in a colour
@@ -91,8 +90,8 @@ def main():
         render_pieces.draw(arguments, output if is_picture else folder / f"{arguments.file.stem}_pieces.png")
     elif format_name in ("iga-trimmed-solid-results", b"iga-trimmed-solid-results"):
         with h5py.File(arguments.file) as file:
-            in_frames = "time_series" in file or "fields" in file  # several bodies: from the files for ParaView
-        if in_frames:
+            explicit = "time_series" in file
+        if explicit:
             from igatools import render_frames
             render_frames.draw(arguments, folder)
         else:
