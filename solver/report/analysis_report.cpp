@@ -208,7 +208,12 @@ Results results_head(const AnalysisRun& run, const char* analysis, const BodySys
   p.timings = run.timings;
   p.findings = findings_of(run);
   p.warnings = run.warnings;
-  if (system.size() == 1) results.bodies.clear();
+  if (system.size() == 1) {
+    results.bodies.clear();
+  } else {
+    head.title.clear();
+    for (const SystemBody& body : system) head.title += (head.title.empty() ? "" : ", ") + body.name;
+  }
   return results;
 }
 
