@@ -12,6 +12,8 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <map>
+#include <memory>
 
 namespace iga::solve {
 
@@ -108,6 +110,7 @@ class Matcher {
 
   double area() const { return area_; }
   double largest_gap() const { return largest_gap_; }
+  std::int64_t num_points() const { return static_cast<std::int64_t>(points_.size()); }
   std::vector<TiePair> pairs();
 
  private:
@@ -198,9 +201,9 @@ struct Candidate {
 
 std::vector<Candidate> candidates(const BodySystem& system, const Tie& tie, const std::string& what) {
   std::vector<Candidate> all;
-  if (!tie.bodies) {
+  if (!tie.bodies) { // whole surfaces
     for (std::size_t a = 0; a < system.size(); ++a)
-      for (std::size_t b = a + 1; b < system.size(); ++b) all.push_back({{a, b}, {&tie.choice[0], &tie.choice[1]}});
+      for (std::size_t b = a + 1; b < system.size(); ++b) all.push_back({{a, b}, {&tie.choice[0], &tie.choice[0]}});
     return all;
   }
   Candidate one;
@@ -217,58 +220,92 @@ std::vector<Candidate> candidates(const BodySystem& system, const Tie& tie, cons
   return {one};
 }
 
-double tolerance_of(const Tie& tie, const TrimmedModel& a, const TrimmedModel& b, const std::string& what) {
-  const double h = std::min(smallest_span(a), smallest_span(b));
-  const double tolerance = tie.tolerance.value_or(tie_tolerance * h);
-  if (tolerance > most_tie_tolerance * h)
-    throw InputError(fmt::format("{}: the tolerance is {:.4g}, expected at most {:.4g}, half the smallest span of the "
-                                 "bodies: functions are continued across the gap; bring the surfaces together",
-                                 what, tolerance, most_tie_tolerance * h));
-  return tolerance;
-}
+/// Finds the surfaces of one tie.
+class TieFinder {
+ public:
+  TieFinder(const BodySystem& system, const Tie& tie)
+      : system_(system), tie_(tie),
+        what_(fmt::format("{}{}tie '{}'", tie.where, tie.where.empty() ? "" : ": ", tie.name)),
+        candidates_(candidates(system, tie, what_)) {}
+
+  void run(std::vector<TieSurface>& found) {
+    const std::size_t before = found.size();
+    for (const Candidate& candidate : candidates_) {
+      const double tolerance = tolerance_of(candidate);
+      Matcher matcher(side(candidate, 0), side(candidate, 1), tolerance);
+      matcher.run(what_);
+      if (!(matcher.area() > 0)) continue;
+      need_short_continuation(candidate, tolerance);
+      found.push_back({tie_, candidate.body, matcher.pairs(), report_of(candidate, matcher, tolerance)});
+    }
+    if (found.size() == before) refuse_nothing();
+  }
+
+ private:
+  const Side& side(const Candidate& candidate, std::size_t s) {
+    const std::size_t body = candidate.body[s];
+    auto& known = sides_[{body, candidate.choice[s]}];
+    if (!known)
+      known = std::make_unique<Side>(system_[body].space->model(), *candidate.choice[s],
+                                     fmt::format("{}, body '{}'", what_, system_[body].name));
+    return *known;
+  }
+  double smallest_span_of(const Candidate& candidate) const {
+    const auto h = [&](std::size_t s) { return smallest_span(system_[candidate.body[s]].space->model()); };
+    return std::min(h(0), h(1));
+  }
+  double tolerance_of(const Candidate& candidate) const {
+    return tie_.tolerance.value_or(tie_tolerance * smallest_span_of(candidate));
+  }
+  void need_short_continuation(const Candidate& candidate, double tolerance) const {
+    const double most = most_tie_tolerance * smallest_span_of(candidate);
+    if (tolerance > most)
+      throw InputError(
+          fmt::format("{}: the tolerance is {:.4g}, expected at most {:.4g}, half the smallest span of '{}' and "
+                      "'{}': functions are continued across the gap; bring the surfaces together",
+                      what_, tolerance, most, system_[candidate.body[0]].name, system_[candidate.body[1]].name));
+  }
+  TieReport report_of(const Candidate& candidate, const Matcher& matcher, double tolerance) {
+    TieReport report;
+    report.name = tie_.name;
+    for (std::size_t s = 0; s < 2; ++s) {
+      report.bodies[s] = system_[candidate.body[s]].name;
+      report.chosen[s] = side(candidate, s).area;
+    }
+    report.area = matcher.area();
+    report.largest_gap = matcher.largest_gap();
+    report.tolerance = tolerance;
+    report.points = matcher.num_points();
+    return report;
+  }
+  [[noreturn]] void refuse_nothing() {
+    double nearest = std::numeric_limits<double>::infinity(), tolerance = 0;
+    for (const Candidate& candidate : candidates_) {
+      nearest = std::min(nearest, smallest_distance(side(candidate, 0), side(candidate, 1)));
+      tolerance = std::max(tolerance, tolerance_of(candidate));
+    }
+    const std::string who = tie_.bodies          ? fmt::format("'{}' and '{}'", (*tie_.bodies)[0], (*tie_.bodies)[1])
+                            : system_.size() > 1 ? "different bodies"
+                                                 : "different bodies (there is one body)";
+    throw InputError(
+        fmt::format("{}: nothing is tied: no surfaces of {} face each other within the tolerance of {:.4g}; the "
+                    "smallest distance found is {:.4g}; choose other surfaces, move the bodies "
+                    "([bodies.place]), or raise 'tolerance'",
+                    what_, who, tolerance, nearest));
+  }
+
+  const BodySystem& system_;
+  const Tie& tie_;
+  std::string what_;
+  std::vector<Candidate> candidates_;
+  std::map<std::pair<std::size_t, const RegionChoice*>, std::unique_ptr<Side>> sides_; // by body and choice
+};
 
 } // namespace
 
 std::vector<TieSurface> find_ties(const BodySystem& system, std::span<const Tie> ties) {
   std::vector<TieSurface> found;
-  for (const Tie& tie : ties) {
-    const std::string what = fmt::format("{}{}tie '{}'", tie.where, tie.where.empty() ? "" : ": ", tie.name);
-    const std::size_t before = found.size();
-    double nearest = std::numeric_limits<double>::infinity(), used = 0;
-    for (const Candidate& candidate : candidates(system, tie, what)) {
-      const auto [a, b] = candidate.body;
-      const TrimmedModel &first = system[a].space->model(), &second = system[b].space->model();
-      const double tolerance = tolerance_of(tie, first, second, what);
-      const Side side_a(first, *candidate.choice[0], fmt::format("{}, body '{}'", what, system[a].name)),
-          side_b(second, *candidate.choice[1], fmt::format("{}, body '{}'", what, system[b].name));
-      Matcher matcher(side_a, side_b, tolerance);
-      matcher.run(what);
-      if (!(matcher.area() > 0)) {
-        nearest = std::min(nearest, smallest_distance(side_a, side_b));
-        used = std::max(used, tolerance);
-        continue;
-      }
-      TieSurface surface{tie, candidate.body, matcher.pairs(), {}};
-      surface.report = {tie.name,
-                        {system[a].name, system[b].name},
-                        matcher.area(),
-                        {side_a.area, side_b.area},
-                        matcher.largest_gap(),
-                        tolerance,
-                        0};
-      for (const TiePair& pair : surface.pairs) surface.report.points += static_cast<std::int64_t>(pair.side[0].size());
-      found.push_back(std::move(surface));
-    }
-    if (found.size() == before)
-      throw InputError(
-          fmt::format("{}: nothing is tied: no surfaces of {} face each other within the tolerance of "
-                      "{:.4g}; the smallest distance found is {:.4g}; choose other surfaces, move the bodies "
-                      "([bodies.place]), or raise 'tolerance'",
-                      what,
-                      tie.bodies ? fmt::format("'{}' and '{}'", (*tie.bodies)[0], (*tie.bodies)[1])
-                                 : std::string("different bodies"),
-                      used, nearest));
-  }
+  for (const Tie& tie : ties) TieFinder(system, tie).run(found);
   return found;
 }
 
