@@ -2,7 +2,6 @@
 
 #include "format/model/errors.hpp"
 #include "solver/analysis/advice.hpp"
-#include "solver/analysis/prepared_system.hpp"
 #include "solver/base/stopwatch.hpp"
 #include "solver/linalg/stage_progress.hpp"
 #include "solver/mechanics/largest_eigenvalue.hpp"
@@ -18,12 +17,7 @@ EigenOutcome find_modes(const RunSettings& run, const EigenSettings& settings, s
   if (settings.largest) refuse_multipliers(run);
   PreparedSystem system = prepare_system(run, models);
   EigenOutcome outcome;
-  outcome.timings = std::move(system.timings);
-  outcome.warnings = std::move(system.warnings);
-  outcome.regions = std::move(system.bound.regions);
-  outcome.ties = std::move(system.bound.tie_reports);
-  outcome.mass = system.M.total();
-  outcome.unknowns = system.bodies.num_unknowns();
+  hand_over(system, outcome);
   outcome.constraints = system.bound.constraints.rows();
   const StiffnessMatrix& K = system.bound.K;
   const Bodies bodies = separate_bodies(K.pattern());
@@ -35,7 +29,7 @@ EigenOutcome find_modes(const RunSettings& run, const EigenSettings& settings, s
     outcome.omega_max = largest.omega;
     outcome.omega_max_residual = largest.residual;
     watch.stage("Lanczos");
-    if (run.supports.empty() && run.ties.empty()) outcome.element = element_bound(system.bodies, run.mass);
+    if (run.supports.empty() && run.ties.empty()) outcome.element = element_bound(outcome.system, run.mass);
     watch.stage("element bound");
   } else {
     EigenProblem problem;
@@ -43,14 +37,12 @@ EigenOutcome find_modes(const RunSettings& run, const EigenSettings& settings, s
     problem.progress = run.progress;
     problem.mass = &system.M;
     problem.constraints = outcome.constraints > 0 ? &system.bound.constraints : nullptr;
-    problem.motions = rigid_motions(system.bodies, bodies);
-    problem.lambda_scale = lambda_scale(system.bodies);
+    problem.motions = rigid_motions(outcome.system, bodies);
+    problem.lambda_scale = lambda_scale(outcome.system);
     outcome.modes = lowest_modes(problem, settings);
     outcome.timings.insert(outcome.timings.end(), outcome.modes.timings.begin(), outcome.modes.timings.end());
     outcome.warnings.insert(outcome.warnings.end(), outcome.modes.warnings.begin(), outcome.modes.warnings.end());
   }
-  outcome.system = std::move(system.bodies);
-  outcome.space = outcome.system[0].space;
   return outcome;
 }
 

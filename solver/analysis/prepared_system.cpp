@@ -18,6 +18,16 @@ void refuse_multipliers(const RunSettings& run) {
                      "method = \"penalty\" or \"nitsche\" in the supports");
 }
 
+void hand_over(PreparedSystem& prepared, SystemOutcome& outcome) {
+  outcome.system = std::move(prepared.bodies);
+  outcome.mass = prepared.M.total();
+  outcome.unknowns = outcome.system.num_unknowns();
+  outcome.regions = std::move(prepared.bound.regions);
+  outcome.ties = std::move(prepared.bound.tie_reports);
+  outcome.warnings = std::move(prepared.warnings);
+  outcome.timings = std::move(prepared.timings);
+}
+
 BodySystem make_system(const RunSettings& run, std::span<const TrimmedModel> models) {
   const std::vector<RunBody> bodies = bodies_of(run);
   BodySystem system;

@@ -14,6 +14,19 @@ struct PreparedSystem {
   std::vector<std::pair<std::string, double>> timings; ///< stage, seconds
 };
 
+/// What every eigenvalue analysis reports of its system.
+struct SystemOutcome {
+  BodySystem system; ///< coefficients belong to its spaces; lives no longer than the models
+  double mass = 0;   ///< total, as discretised
+  std::int64_t unknowns = 0;
+  std::vector<RegionReport> regions; ///< of the supports
+  std::vector<TieReport> ties;
+  std::vector<std::string> warnings;
+  std::vector<std::pair<std::string, double>> timings; ///< stage, seconds
+};
+/// Takes all but the matrices out of a prepared system.
+void hand_over(PreparedSystem& prepared, SystemOutcome& outcome);
+
 /// The largest eigenfrequency is that of explicit dynamics, which knows no Lagrange multipliers.
 /// @throws InputError where a support asks for them
 void refuse_multipliers(const RunSettings& run);

@@ -2,7 +2,6 @@
 
 #include "format/model/errors.hpp"
 #include "solver/analysis/advice.hpp"
-#include "solver/analysis/prepared_system.hpp"
 #include "solver/base/stopwatch.hpp"
 #include "solver/linalg/stage_progress.hpp"
 #include "solver/mechanics/largest_eigenvalue.hpp"
@@ -18,12 +17,7 @@ constexpr double lanczos_tolerance = 1e-3;
 TimestepOutcome find_timestep(const RunSettings& run, std::span<const TrimmedModel> models) {
   PreparedSystem system = prepare_system(run, models);
   TimestepOutcome outcome;
-  outcome.timings = std::move(system.timings);
-  outcome.warnings = std::move(system.warnings);
-  outcome.regions = std::move(system.bound.regions);
-  outcome.ties = std::move(system.bound.tie_reports);
-  outcome.mass = system.M.total();
-  outcome.unknowns = system.bodies.num_unknowns();
+  hand_over(system, outcome);
   Stopwatch watch(outcome.timings);
   show_stage(run.progress, "iterations");
   const LargestEigenvalue largest = largest_eigenvalue(system.bound.K, system.M, lanczos_tolerance);
@@ -34,10 +28,9 @@ TimestepOutcome find_timestep(const RunSettings& run, std::span<const TrimmedMod
   outcome.dt_safe = 2 / outcome.omega_max_bound;
   watch.stage("Lanczos");
   // Supports and ties add stiffness that no span's own matrix knows of.
-  if (run.supports.empty() && run.ties.empty()) outcome.element = element_bound(system.bodies, run.mass);
+  if (run.supports.empty() && run.ties.empty()) outcome.element = element_bound(outcome.system, run.mass);
   if (outcome.element) outcome.dt_element = 2 / outcome.element->omega;
   watch.stage("element bound");
-  outcome.system = std::move(system.bodies);
   return outcome;
 }
 

@@ -1,27 +1,20 @@
 // The critical time step of explicit dynamics: 2 / ω_max.
 #pragma once
 
-#include "solver/analysis/run_settings.hpp"
+#include "solver/analysis/prepared_system.hpp"
 #include "solver/mechanics/element_bound.hpp"
-#include "solver/ties/tie.hpp"
 
 namespace iga::solve {
 
 /// omega in radians per time.
-struct TimestepOutcome {
-  BodySystem system;          ///< lives no longer than the models
+struct TimestepOutcome : SystemOutcome {
   double omega_max = 0;       ///< by Lanczos, to 1e-3, from below
   double omega_max_bound = 0; ///< 1.01 omega_max: safe
   double dt_crit = 0;         ///< 2 / omega_max
   double dt_safe = 0;         ///< 2 / omega_max_bound
   std::optional<ElementBound> element;
   double dt_element = 0; ///< 2 / element->omega; 0 where there is no such bound
-  std::int64_t unknowns = 0, products = 0;
-  double mass = 0; ///< total, as discretised
-  std::vector<RegionReport> regions;
-  std::vector<TieReport> ties;
-  std::vector<std::string> warnings;
-  std::vector<std::pair<std::string, double>> timings; ///< stage, seconds
+  std::int64_t products = 0;
 };
 
 /// @param models  placed, one for each body of the run
