@@ -153,12 +153,12 @@ struct TimeSeries {
   std::vector<Support> supports = {};
 };
 
-/// A body of an explicit analysis, as the head of its results says.
+/// A body of an explicit analysis, or of one with several bodies, as the head of its results says.
 struct BodyResult {
   std::string name;
   std::string model_file, model_sha256;
   std::string law;                     ///< as in the run file
-  std::string mass;                    ///< lumped | two-pass | three-pass
+  std::string mass;                    ///< consistent | lumped | two-pass | three-pass
   std::string light_functions{"none"}; ///< as in ResultsHeader
   double light_threshold = 0;
   std::int64_t unknowns = 0;
@@ -191,6 +191,16 @@ struct BodyFields {
   std::vector<double> point_plastic_strain; ///< (n_points), or empty
 };
 
+/// Fields of one of several bodies of an eigen or static analysis. They are written into field files, step by step, not
+/// into the results file.
+struct BodyPart {
+  std::string name;
+  std::vector<std::int64_t> active_functions; ///< (n_f), the model's
+  std::vector<double> coefficients;           ///< (num_steps × n_f × 3)
+  SurfaceResult surface;                      ///< with displacement, strain and von Mises stress
+  std::vector<double> point_stress;           ///< (n_points × 6) of the only step, or empty
+};
+
 /// All that one results file holds; parts that an analysis has not are absent.
 struct Results {
   ResultsHeader header;
@@ -199,8 +209,9 @@ struct Results {
   std::optional<StaticResult> statics;
   std::optional<TimeSeries> time_series;
   std::optional<SurfaceResult> surface;
-  std::vector<BodyResult> bodies = {};   ///< explicit
-  std::optional<FieldIndex> fields = {}; ///< explicit
+  std::vector<BodyResult> bodies = {};   ///< explicit, and where there are several
+  std::optional<FieldIndex> fields = {}; ///< likewise
+  std::vector<BodyPart> parts = {};      ///< of several bodies, to be written; empty after reading
 };
 
 } // namespace iga

@@ -90,7 +90,7 @@ def read_run(path):
     except (OSError, tomllib.TOMLDecodeError) as error:
         sys.exit(f"render.py: {path}: cannot be read as a run file ({error})")
     if "model" not in run:
-        sys.exit(f"render.py: {path}: names no model; --choices draws run files of igasolve static and eigen (model = \"…\")")
+        sys.exit(f"render.py: {path}: names no model; --choices draws run files of igasolve static and eigen with one body (model = \"…\")")
     keys = ("region", "box", "plane", "normal", "whole_surface")
     for kind in TABLES:
         for number, table in enumerate(run.get(kind, []), 1):

@@ -140,10 +140,10 @@ const char* name_of(LoadKind kind) {
   }
 }
 
-std::vector<std::string> region_warnings(std::span<const LoadReport> loads, const SplineGrid& grid) {
+std::vector<std::string> region_warnings(std::span<const LoadReport> loads) {
   std::vector<std::string> all;
   for (const LoadReport& load : loads) {
-    const auto warnings = region_warnings(load.region, fmt::format("load '{}'", load.name), grid);
+    const auto warnings = region_warnings(load.region, fmt::format("load '{}'", load.name));
     all.insert(all.end(), warnings.begin(), warnings.end());
   }
   return all;

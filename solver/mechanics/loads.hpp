@@ -25,6 +25,7 @@ const char* name_of(LoadKind kind);
 
 struct Load {
   std::string name;
+  std::string body; ///< that it acts on; empty: the only one that has such a surface or place, body forces: all
   LoadKind kind = LoadKind::Traction;
   RegionChoice region;
   PlaceChoice place;            ///< of Line and Point
@@ -44,7 +45,7 @@ struct LoadReport {
   Point3 moment{};     ///< about the origin
 };
 /// Warnings about what loads act on.
-std::vector<std::string> region_warnings(std::span<const LoadReport> loads, const SplineGrid& grid);
+std::vector<std::string> region_warnings(std::span<const LoadReport> loads);
 
 struct LoadTerms {
   Eigen::VectorXd load; ///< (num_unknowns)

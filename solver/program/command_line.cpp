@@ -30,7 +30,10 @@ memory is exit code 2 and says so.)";
 const char* const analysis_footer =
     R"(Any consistent set of units: E in force/length², rho in mass/length³, frequencies in cycles per time. The run file
 (.toml) holds the flags' names with underscores: model, output, units, unit_system, material, materials, mass,
-light_functions, light_threshold; [material] name, E, nu, rho or C; [eigen] modes, largest, sturm; [results] subdivide, viewer; [[support]], [[load]], [[probe]].
+light_functions, light_threshold; [material] name, E, nu, rho or C; [eigen] modes, largest, sturm; [results] subdivide,
+viewer; [[support]], [[load]], [[probe]].
+Several bodies, instead of model: [[bodies]] name, model, material, place, light_functions, light_threshold; [[ties]] name,
+bodies, first, second, tolerance, method, penalty_factor join their surfaces; supports, loads and probes say their body.
 Paths in it are relative to its folder; flags override it.)";
 
 const char* const explicit_footer =
@@ -85,7 +88,7 @@ CLI::App* add_analysis(CLI::App& app, const char* name, const char* what, Raw& r
   sub->add_option("--units", t.units, "Length unit; refused where the model's label differs");
 
   const std::string material = "Material";
-  sub->add_option("--material", t.material, "Material by name, such as steel; an unknown name lists all")
+  sub->add_option("--material", t.material.name, "Material by name, such as steel; an unknown name lists all")
       ->type_name("NAME")
       ->group(material);
   sub->add_option("--unit-system", t.unit_system,
@@ -95,9 +98,9 @@ CLI::App* add_analysis(CLI::App& app, const char* name, const char* what, Raw& r
   sub->add_option("--materials", t.materials, "Table of materials of your own (.toml)")
       ->type_name("FILE")
       ->group(material);
-  sub->add_option("--E", t.E, "Young's modulus, force/length²")->group(material);
-  sub->add_option("--nu", t.nu, "Poisson's ratio")->group(material);
-  sub->add_option("--rho", t.rho, "Density, mass/length³")->group(material);
+  sub->add_option("--E", t.material.E, "Young's modulus, force/length²")->group(material);
+  sub->add_option("--nu", t.material.nu, "Poisson's ratio")->group(material);
+  sub->add_option("--rho", t.material.rho, "Density, mass/length³")->group(material);
 
   const std::string method = "Method";
   sub->add_option("--light-functions", t.light_functions,

@@ -6,8 +6,8 @@
 
 namespace iga::solve {
 
-/// @param grid  of the model
-std::string static_text(const StaticSolution& solution, const SplineGrid& grid);
-io::JsonObject static_json(const StaticSolution& solution, const SplineGrid& grid);
+/// @param system  that was solved: bodies are named where there are several
+std::string static_text(const StaticSolution& solution, const BodySystem& system);
+io::JsonObject static_json(const StaticSolution& solution, const BodySystem& system);
 
 } // namespace iga::solve

@@ -138,18 +138,14 @@ SurfaceRegion choose_places(const TrimmedModel& model, const PlaceChoice& choice
   region.offsets.push_back(static_cast<std::int64_t>(region.weights.size()));
   region.normals.resize(region.weights.size());
   if (choice.is_line()) region.report.length = total;
+  const Point3 h = model.grid.span_size();
+  region.report.reach = 2 * std::max({h[0], h[1], h[2]});
   region.report.points = static_cast<std::int64_t>(region.weights.size());
   region.report.centroid = plus(points.front().position, times(first, 1 / total));
   return region;
 }
 
-double singular_reach(const SplineGrid& grid) {
-  const Point3 h = grid.span_size();
-  return 2 * std::max({h[0], h[1], h[2]});
-}
-
-std::vector<std::string> region_warnings(const RegionReport& report, const std::string& subject,
-                                         const SplineGrid& grid) {
+std::vector<std::string> region_warnings(const RegionReport& report, const std::string& subject) {
   std::vector<std::string> warnings;
   if (!report.warning.empty()) warnings.push_back(fmt::format("{}: {}", subject, report.warning));
   if (report.extent != Extent::Surface)
@@ -158,7 +154,7 @@ std::vector<std::string> region_warnings(const RegionReport& report, const std::
         "way "
         "there depends on the span size too. Read no stress nearer than two spans ({:.4g}), compare two span sizes, or "
         "choose the strip of surface that it acts on in reality",
-        subject, report.extent == Extent::Line ? "along a line" : "at a point", singular_reach(grid)));
+        subject, report.extent == Extent::Line ? "along a line" : "at a point", report.reach));
   return warnings;
 }
 

@@ -25,11 +25,8 @@ SurfaceRegion choose_places(const TrimmedModel& model, const PlaceChoice& choice
 /// Position of a point choice. @throws InputError for a marker that the model lacks
 Point3 position_of(const TrimmedModel& model, const PlaceChoice& choice, const std::string& what);
 
-/// How far from a line or a point its stress may be read: two spans, length.
-double singular_reach(const SplineGrid& grid);
 /// What the user should be warned of: what lines and points do to results, a choice that may be another one than meant.
 /// @param subject  "support 'edge'"
-std::vector<std::string> region_warnings(const RegionReport& report, const std::string& subject,
-                                         const SplineGrid& grid);
+std::vector<std::string> region_warnings(const RegionReport& report, const std::string& subject);
 
 } // namespace iga::solve

@@ -16,6 +16,7 @@ enum class SupportMethod { Nitsche, Penalty, Lagrange };
 /// On a line or at a point (`place`) it is imposed by the penalty method.
 struct Support {
   std::string name;
+  std::string body; ///< that it holds; empty: the only one that has such surface
   RegionChoice region;
   PlaceChoice place; ///< instead of a region
   std::array<bool, 3> fixed{true, true, true};
@@ -55,12 +56,15 @@ struct SupportTerms {
 /// Adds the supports' stiffness to K (same sparsity: all terms are local to a span) and returns the rest.
 /// The result is positive definite without constraints where the supports hold the part (free_rigid_motions in
 /// support_check.hpp).
+/// @param tied        surfaces of the body that draw on the same strain energy as Nitsche's supports; they get their β
+/// @param first_node  of the body in a K of several
 /// @throws InputError for a region without area or a symmetry frame without directions, naming the support
 SupportTerms apply_supports(const SolutionSpace& space, const ElasticMaterial& material,
-                            std::span<const Support> supports, StiffnessMatrix& K);
+                            std::span<const Support> supports, StiffnessMatrix& K,
+                            std::span<PreparedSupport* const> tied = {}, std::int64_t first_node = 0);
 
 /// Warnings about what supports act on.
-std::vector<std::string> region_warnings(const SupportTerms& terms, const SplineGrid& grid);
+std::vector<std::string> region_warnings(std::span<const RegionReport> supports);
 
 /// Force of a support on the part and its moment about the origin.
 struct Reaction {

@@ -200,6 +200,7 @@ void read_fixed(io::SettingsTable& table, Support& support) {
 Support read_support(io::SettingsTable& table, std::size_t number) {
   Support support;
   support.name = name_or(table, "support", number);
+  support.body = table.text("body").value_or("");
   support.place = read_place(table);
   const ReadRegion region = read_region(table);
   if (region.given && support.place.given())
@@ -273,6 +274,10 @@ RegionChoice need_region(io::SettingsTable& table) {
   const ReadRegion region = read_region(table);
   if (!region.given) refuse(table, "region", fmt::format("missing; {}", how_to_choose));
   return region.choice;
+}
+
+RegionChoice region_or_all(io::SettingsTable& table) {
+  return read_region(table).choice;
 }
 
 namespace {
@@ -361,11 +366,14 @@ std::vector<Support> read_supports(io::SettingsTable& root) {
 
 StaticSettings read_static_settings(io::SettingsTable& root) {
   StaticSettings settings;
-  for (io::SettingsTable& table : root.tables("load"))
+  for (io::SettingsTable& table : root.tables("load")) {
     settings.loads.push_back(read_load(table, settings.loads.size() + 1));
+    settings.loads.back().body = table.text("body").value_or("");
+  }
   for (io::SettingsTable& table : root.tables("probe")) {
     Probe probe;
     probe.name = name_or(table, "probe", settings.probes.size() + 1);
+    probe.body = table.text("body").value_or("");
     probe.position = need_vector3(table, "position", "the position");
     settings.probes.push_back(std::move(probe));
   }

@@ -29,5 +29,7 @@ std::vector<io::TableKeys> load_keys(const std::string& table);
 Load read_load(io::SettingsTable& table, std::size_t number);
 /// The keys that choose surface. @throws InputError where there are none
 RegionChoice need_region(io::SettingsTable& table);
+/// The same; no key at all means the whole surface.
+RegionChoice region_or_all(io::SettingsTable& table);
 
 } // namespace iga::solve

@@ -33,26 +33,30 @@ Eigen::MatrixXd velocities(const Eigen::Ref<const Eigen::MatrixXd>& motions, con
 
 } // namespace
 
-RigidRegions::RigidRegions(const SolutionSpace& space, const ElasticMaterial& material, std::span<const Load> loads,
-                           StiffnessMatrix& K)
-    : space_(&space) {
-  const TrimmedModel& model = space.model();
+RigidRegions::RigidRegions(const BodySystem& system, std::span<const Load> loads,
+                           std::span<const std::vector<std::size_t>> bodies, StiffnessMatrix& K)
+    : system_(&system) {
   for (std::size_t k = 0; k < loads.size(); ++k) {
     if (!loads[k].rigid) continue;
-    Region r{k, choose_region(model, loads[k].region, fmt::format("load '{}'", loads[k].name)), {}, 0, {}};
+    const SystemBody& body = system[bodies[k][0]];
+    const TrimmedModel& model = body.space->model();
+    Region r{k, bodies[k][0], choose_region(model, loads[k].region, fmt::format("load '{}'", loads[k].name)), {}, 0,
+             {}};
     r.at = loads[k].remote.value_or(r.region.report.centroid);
-    r.beta = penalty_factor * penalty_stiffness(space, material, Extent::Surface);
+    r.beta = penalty_factor * penalty_stiffness(*body.space, body.material, Extent::Surface);
     const SymmetricEigen3 inertia = symmetric_eigen_3(turning_inertia(model, r.region));
     r.basis.setZero();
     r.basis.topLeftCorner<3, 3>().diagonal().setConstant(1 / std::sqrt(r.region.report.area));
     r.basis.bottomRightCorner<3, 3>() = inertia.vectors * inertia.values.cwiseSqrt().cwiseInverse().asDiagonal();
     regions_.push_back(std::move(r));
   }
-  U_ = Eigen::MatrixXd::Zero(space.num_unknowns(), 6 * static_cast<Eigen::Index>(regions_.size()));
-  for (const Region& r : regions_) add_region(space, r, K);
+  U_ = Eigen::MatrixXd::Zero(system.num_unknowns(), 6 * static_cast<Eigen::Index>(regions_.size()));
+  for (const Region& r : regions_) add_region(r, K);
 }
 
-void RigidRegions::add_region(const SolutionSpace& space, const Region& r, StiffnessMatrix& K) {
+void RigidRegions::add_region(const Region& r, StiffnessMatrix& K) {
+  const SolutionSpace& space = *(*system_)[r.body].space;
+  const std::int64_t first_node = (*system_)[r.body].first_node;
   const Eigen::Index first = 6 * (&r - regions_.data());
   SpanShapes shapes;
   for (std::size_t s = 0; s < r.region.cells.size(); ++s) {
@@ -65,12 +69,12 @@ void RigidRegions::add_region(const SolutionSpace& space, const Region& r, Stiff
     for (Eigen::Index d = 0; d < 3; ++d)
       for (Eigen::Index j = 0; j < products.cols(); ++j)
         for (Eigen::Index i = 0; i < products.rows(); ++i) block(3 * i + d, 3 * j + d) = products(i, j);
-    K.add(nodes, block);
+    K.add(nodes, block, static_cast<std::int32_t>(first_node));
     for (std::size_t q = 0; q < batch.size(); ++q) {
       const Eigen::MatrixXd v =
           std::sqrt(r.beta) * batch.weights[q] * velocities(r.basis, r.region.report.centroid, batch.positions[q]);
       for (std::size_t i = 0; i < nodes.size(); ++i)
-        U_.block(3 * nodes[i], first, 3, 6) +=
+        U_.block(3 * (first_node + nodes[i]), first, 3, 6) +=
             shapes.values(static_cast<Eigen::Index>(q), static_cast<Eigen::Index>(i)) * v;
     }
   }
@@ -104,15 +108,18 @@ double RigidRegions::energy(const Eigen::VectorXd& u) const {
   SpanShapes shapes;
   for (std::size_t k = 0; k < regions_.size(); ++k) {
     const Region& r = regions_[k];
+    const SolutionSpace& space = *(*system_)[r.body].space;
+    const Eigen::VectorXd own = system_->part(u, r.body);
     const Eigen::Matrix<double, 6, 1> motion = motion_of(k, u);
     for (std::size_t s = 0; s < r.region.cells.size(); ++s) {
-      const PointBatch batch = gather(space_->model(), r.region, s);
-      const auto nodes = space_->nodes(batch.cell);
-      evaluate(*space_, batch.cell, batch.parameters, Shapes::Values, shapes);
+      const PointBatch batch = gather(space.model(), r.region, s);
+      const auto nodes = space.nodes(batch.cell);
+      evaluate(space, batch.cell, batch.parameters, Shapes::Values, shapes);
       for (std::size_t q = 0; q < batch.size(); ++q) {
         Eigen::Vector3d off = -velocities(motion, r.region.report.centroid, batch.positions[q]).col(0);
         for (std::size_t i = 0; i < nodes.size(); ++i)
-          off += shapes.values(static_cast<Eigen::Index>(q), static_cast<Eigen::Index>(i)) * u.segment<3>(3 * nodes[i]);
+          off +=
+              shapes.values(static_cast<Eigen::Index>(q), static_cast<Eigen::Index>(i)) * own.segment<3>(3 * nodes[i]);
         energy += 0.5 * r.beta * batch.weights[q] * off.squaredNorm();
       }
     }

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "solver/linalg/linear_solver.hpp"
+#include "solver/mechanics/body_system.hpp"
 #include "solver/mechanics/loads.hpp"
-#include "solver/mechanics/material.hpp"
 
 namespace iga::solve {
 
@@ -18,9 +18,10 @@ struct RigidMotion {
 /// region) would fill it, so the system is solved with K + β M and corrected (Sherman, Morrison & Woodbury 1950).
 class RigidRegions {
  public:
-  /// Adds β M of the loads that keep their region rigid to K. The space must outlive the object.
+  /// Adds β M of the loads that keep their region rigid to K. The system must outlive the object.
+  /// @param bodies  by load: those that it acts on; one where it acts on a region
   /// @throws InputError for a region without area, naming the load
-  RigidRegions(const SolutionSpace& space, const ElasticMaterial& material, std::span<const Load> loads,
+  RigidRegions(const BodySystem& system, std::span<const Load> loads, std::span<const std::vector<std::size_t>> bodies,
                StiffnessMatrix& K);
 
   /// @param solver  made with K + β M (and constraints)
@@ -36,16 +37,16 @@ class RigidRegions {
 
  private:
   struct Region {
-    std::size_t load = 0;
+    std::size_t load = 0, body = 0;
     SurfaceRegion region;
     Point3 at{};
     double beta = 0;
     Eigen::Matrix<double, 6, 6> basis; ///< columns: orthonormal motions, velocity at the centroid and angular velocity
   };
-  void add_region(const SolutionSpace& space, const Region& r, StiffnessMatrix& K);
+  void add_region(const Region& r, StiffnessMatrix& K);
   Eigen::Matrix<double, 6, 1> motion_of(std::size_t r, const Eigen::VectorXd& u) const;
 
-  const SolutionSpace* space_;
+  const BodySystem* system_;
   std::vector<Region> regions_;
   Eigen::MatrixXd U_;                 ///< (num_unknowns × 6 regions)
   Eigen::MatrixXd solved_, capacity_; ///< Z = (K + β M)⁻¹ U with rows for constraints; (I - Uᵀ Z)⁻¹

@@ -10,8 +10,8 @@
 #include "solver/explicit/loads/timed_loads.hpp"
 #include "solver/explicit/motion/explicit_body.hpp"
 #include "solver/explicit/motion/integrator.hpp"
-#include "solver/explicit/motion/placement.hpp"
 #include "solver/mechanics/material_table.hpp"
+#include "solver/space/placement.hpp"
 
 #include <filesystem>
 #include <optional>

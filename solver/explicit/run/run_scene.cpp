@@ -117,7 +117,7 @@ void ExplicitScene::add_loads() {
                                           std::vector{load.load});
     }));
     for (const LoadReport& report : loads_.back()->reports()) load_reports_.push_back(report);
-    const auto of_places = region_warnings(loads_.back()->reports(), bodies_[load.body]->space().model().grid);
+    const auto of_places = region_warnings(loads_.back()->reports());
     warnings_.insert(warnings_.end(), of_places.begin(), of_places.end());
   }
   for (const SupportRun& support : run_.supports)
