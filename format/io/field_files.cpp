@@ -4,7 +4,12 @@
 #include "format/io/field_names.hpp"
 #include "format/io/h5_arrays.hpp"
 
+#include "format/model/errors.hpp"
+
+#include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
+#include <numbers>
 
 namespace iga::io {
 
@@ -70,6 +75,80 @@ void write_head(H5Writer& file) {
 }
 
 } // namespace
+
+std::filesystem::path fields_folder(const std::filesystem::path& results) {
+  return results.parent_path() / (results.stem().string() + "_fields");
+}
+
+std::string bodies_file(const std::filesystem::path& results) {
+  return fmt::format("{0}_fields/{0}_bodies.h5", results.stem().string());
+}
+
+std::string field_file(const std::filesystem::path& results, std::size_t step) {
+  return fmt::format("{0}_fields/{0}_{1:04d}.h5", results.stem().string(), step + 1);
+}
+
+void remove_fields_from(const std::filesystem::path& results, std::size_t step) {
+  std::error_code ignored;
+  while (std::filesystem::remove(results.parent_path() / field_file(results, step), ignored)) ++step;
+}
+
+namespace {
+
+// The largest principal strain by size.
+double principal(const double* e) {
+  const double xy = 0.5 * e[3], yz = 0.5 * e[4], zx = 0.5 * e[5], mean = (e[0] + e[1] + e[2]) / 3;
+  const double a = e[0] - mean, b = e[1] - mean, c = e[2] - mean;
+  // Deviator: λ = 2 √(J2 / 3) cos(θ + 2πk/3), cos 3θ = (3 √3 / 2) J3 / J2^(3/2).
+  const double J2 = 0.5 * (a * a + b * b + c * c) + xy * xy + yz * yz + zx * zx;
+  if (!(J2 > 0)) return mean;
+  const double J3 = a * (b * c - yz * yz) - xy * (xy * c - yz * zx) + zx * (xy * yz - b * zx);
+  const double cosine = std::clamp(1.5 * std::numbers::sqrt3 * J3 / (J2 * std::sqrt(J2)), -1.0, 1.0);
+  const double size = 2 * std::sqrt(J2 / 3), angle = std::acos(cosine) / 3;
+  const double largest = mean + size * std::cos(angle),
+               least = mean + size * std::cos(angle + 2 * std::numbers::pi / 3);
+  return std::abs(least) > std::abs(largest) ? least : largest;
+}
+
+std::vector<double> slice(const std::vector<double>& values, std::size_t step, std::size_t steps) {
+  const std::size_t width = values.size() / steps;
+  return {values.begin() + static_cast<std::ptrdiff_t>(step * width),
+          values.begin() + static_cast<std::ptrdiff_t>((step + 1) * width)};
+}
+
+BodyFields fields_of(const BodyPart& part, std::size_t step) {
+  const std::size_t steps = part.surface.steps.size();
+  BodyFields fields;
+  fields.name = part.name;
+  fields.coefficients = slice(part.coefficients, step, steps);
+  fields.displacement = slice(part.surface.fields.displacement, step, steps);
+  fields.von_mises = slice(part.surface.fields.von_mises, step, steps);
+  const std::vector<double> strain = slice(part.surface.fields.strain, step, steps);
+  for (std::size_t v = 0; v < fields.von_mises.size(); ++v) fields.strain.push_back(principal(&strain[6 * v]));
+  fields.point_stress = part.point_stress;
+  return fields;
+}
+
+} // namespace
+
+void write_parts(const std::filesystem::path& path, Results& results) {
+  const std::filesystem::path folder = path.parent_path();
+  std::error_code error;
+  std::filesystem::create_directories(fields_folder(path), error);
+  if (error)
+    throw InputError(fmt::format("{}: the folder cannot be made: {}", fields_folder(path).string(), error.message()));
+  std::vector<BodyMesh> meshes;
+  for (const BodyPart& part : results.parts) meshes.push_back({part.name, part.active_functions, part.surface.output});
+  write_body_meshes(folder / bodies_file(path), meshes);
+  results.fields = FieldIndex{bodies_file(path), results.parts.front().surface.steps, {}};
+  for (std::size_t step = 0; step < results.fields->times.size(); ++step) {
+    std::vector<BodyFields> fields;
+    for (const BodyPart& part : results.parts) fields.push_back(fields_of(part, step));
+    write_fields(folder / field_file(path, step), results.fields->times[step], fields);
+    results.fields->files.push_back(field_file(path, step));
+  }
+  remove_fields_from(path, results.fields->times.size());
+}
 
 void write_body_meshes(const std::filesystem::path& path, const std::vector<BodyMesh>& bodies) {
   H5Writer file(path);

@@ -227,6 +227,12 @@ TrimmedModel read_model(const std::filesystem::path& path) {
   throw FormatError(text);
 }
 
+std::string read_length_unit(const std::filesystem::path& path) {
+  const H5Reader file(path);
+  expect_format(file, names::format, names::format_major, names::format_version);
+  return file.text(names::root, "length_unit");
+}
+
 Provenance read_provenance(const std::filesystem::path& path) {
   const H5Reader file(path);
   expect_format(file, names::format, names::format_major, names::format_version);

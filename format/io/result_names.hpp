@@ -10,7 +10,7 @@
 namespace iga::io::result_names {
 
 constexpr const char* format = "iga-trimmed-solid-results";
-constexpr const char* format_version = "1.3";
+constexpr const char* format_version = "1.4";
 constexpr int format_major = 1;
 
 constexpr std::array<EnumName, 3> kinds{{{"RIGID", 0}, {"ELASTIC", 1}, {"MECHANISM", 2}}};
@@ -106,7 +106,8 @@ constexpr NamedGroup body_heads{"/bodies",
                                 "deformable bodies and their models",
                                 "one body",
                                 {"/body_names", "1", "(body)", "names of the bodies, each a group of /bodies"}};
-constexpr DatasetText field_times{"/fields/time", "time", "ascending", "times of the fields"};
+constexpr DatasetText field_times{"/fields/time", "time", "ascending",
+                                  "times of the fields; of modes and load steps their numbers, from 1"};
 constexpr DatasetText field_files{"/fields/file", "1", "(step)",
                                   "file that holds the fields of each step, relative to this file's folder"};
 

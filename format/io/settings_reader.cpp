@@ -175,7 +175,10 @@ SettingsTable SettingsTable::read(const std::filesystem::path& file) {
     throw InputError(fmt::format("{}: no such settings file", file.string()));
   std::ifstream in(file, std::ios::binary);
   if (!in) throw InputError(fmt::format("{}: cannot be opened: {}", file.string(), std::strerror(errno)));
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  return parse({std::istreambuf_iterator<char>(in), {}}, file);
+}
+
+SettingsTable SettingsTable::parse(const std::string& text, const std::filesystem::path& file) {
   refuse_letters_outside_quotes(text, file.string());
   auto data = std::make_shared<File>();
   data->path = file;

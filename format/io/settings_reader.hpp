@@ -34,6 +34,8 @@ class SettingsTable {
  public:
   /// The root table. @throws InputError for a file that is missing or is no TOML (with line and column)
   static SettingsTable read(const std::filesystem::path& file);
+  /// The same from a text; `name` stands for the file in messages.
+  static SettingsTable parse(const std::string& text, const std::filesystem::path& name);
 
   /// A sub-table; an absent one is empty (its keys still count as known).
   SettingsTable table(std::string_view key);

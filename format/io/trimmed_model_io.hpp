@@ -20,6 +20,9 @@ TrimmedModel read_model(const std::filesystem::path& path);
 /// check(model): for a program that lists every problem itself. Throws as read_model.
 TrimmedModel load_model(const std::filesystem::path& path);
 
+/// The label of lengths alone; throws as read_model.
+std::string read_length_unit(const std::filesystem::path& path);
+
 /// Who made the file from what; reads only the root's and /provenance's attributes and small tables.
 /// Throws as read_model; fields that a foreign producer left out stay empty.
 Provenance read_provenance(const std::filesystem::path& path);

@@ -113,27 +113,35 @@ double largest_length(std::span<const double> vectors) {
   return largest;
 }
 
-void write_step(const std::filesystem::path& path, const Results& results, std::size_t step) {
-  const SurfaceResult& s = *results.surface;
-  const TriangleMesh& mesh = s.output.mesh;
-  const std::size_t n = mesh.vertices.size();
-  const auto part = [&](const std::vector<double>& field, std::size_t components) {
-    return field.empty() ? std::span<const double>() : std::span(field).subspan(step * n * components, n * components);
-  };
-  std::vector<VtpNumber> numbers;
-  double scale = 1;
-  if (results.eigen) {
-    const Box3 box = bounding_box(mesh);
-    const double largest = largest_length(part(s.fields.displacement, 3));
-    if (largest > 0) scale = mode_share * norm(minus(box.upper, box.lower)) / largest;
-    numbers = {{"mode", s.steps[step]}, {"frequency", results.eigen->frequencies[step]}, {"scale", scale}};
+std::span<const double> values_of(const std::vector<double>& field, const SurfaceResult& s, std::size_t components,
+                                  std::size_t step) {
+  const std::size_t n = s.output.mesh.vertices.size() * components;
+  return field.empty() ? std::span<const double>() : std::span(field).subspan(step * n, n);
+}
+
+// Of a mode: the largest displacement of all parts becomes a share of the box around them.
+double scale_of_mode(std::span<const SurfaceResult* const> parts, std::size_t step) {
+  Box3 all = bounding_box(parts[0]->output.mesh);
+  double largest = 0;
+  for (const SurfaceResult* s : parts) {
+    const Box3 box = bounding_box(s->output.mesh);
+    for (std::size_t d = 0; d < 3; ++d) {
+      all.lower[d] = std::min(all.lower[d], box.lower[d]);
+      all.upper[d] = std::max(all.upper[d], box.upper[d]);
+    }
+    largest = std::max(largest, largest_length(values_of(s->fields.displacement, *s, 3, step)));
   }
+  return largest > 0 ? mode_share * norm(minus(all.upper, all.lower)) / largest : 1;
+}
+
+void write_step(const std::filesystem::path& path, const SurfaceResult& s, std::size_t step,
+                std::span<const VtpNumber> numbers, double scale) {
   std::vector<VtpArray> arrays;
   std::vector<std::vector<double>> scaled;
   scaled.reserve(4);
   const auto add = [&](const char* name, const std::vector<double>& field, int components) {
     if (field.empty()) return;
-    const auto values = part(field, static_cast<std::size_t>(components));
+    const auto values = values_of(field, s, static_cast<std::size_t>(components), step);
     scaled.emplace_back(values.begin(), values.end());
     for (double& value : scaled.back()) value *= scale;
     arrays.push_back({name, components, scaled.back()});
@@ -142,7 +150,7 @@ void write_step(const std::filesystem::path& path, const Results& results, std::
   add("von_mises", s.fields.von_mises, 1);
   add("stress", s.fields.stress, 6);
   add("strain", s.fields.strain, 6);
-  write_vtp(path, mesh, arrays, numbers);
+  write_vtp(path, s.output.mesh, arrays, numbers);
 }
 
 // Steps of an earlier, longer series would only confuse.
@@ -187,6 +195,19 @@ void write_viewer_index(const std::filesystem::path& index, std::span<const View
   write_whole(index, text + "</Collection>\n</VTKFile>\n");
 }
 
+std::string viewer_part(const std::filesystem::path& results, std::size_t step, std::size_t part) {
+  return fmt::format("{0}_vtp/{0}_{1:04d}_{2}.vtp", results.stem().string(), step + 1, part);
+}
+
+void remove_viewer_parts_from(const std::filesystem::path& results, std::size_t step) {
+  std::error_code ignored;
+  const auto remove = [&](std::size_t part) {
+    return std::filesystem::remove(results.parent_path() / viewer_part(results, step, part), ignored);
+  };
+  for (; remove(0); ++step)
+    for (std::size_t part = 1; remove(part);) ++part;
+}
+
 std::filesystem::path viewer_index(const std::filesystem::path& results) {
   return std::filesystem::path(results).replace_extension(".pvd");
 }
@@ -204,18 +225,35 @@ void check_viewer_target(const std::filesystem::path& results, bool force) {
 
 void write_viewer_files(const std::filesystem::path& results_path, const Results& results, bool force) {
   check_viewer_target(results_path, force);
-  const SurfaceResult& s = *results.surface;
+  std::vector<const SurfaceResult*> parts;
+  if (results.surface) parts.push_back(&*results.surface);
+  for (const BodyPart& part : results.parts) parts.push_back(&part.surface);
   const auto folder = viewer_folder(results_path);
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) throw InputError(fmt::format("{}: the folder cannot be made: {}", folder.string(), error.message()));
-  tbb::parallel_for(std::size_t{0}, s.steps.size(),
-                    [&](std::size_t step) { write_step(folder / step_name(results_path, step), results, step); });
+  const auto file = [&](std::size_t step, std::size_t part) {
+    return results.surface ? folder.filename().string() + "/" + step_name(results_path, step)
+                           : viewer_part(results_path, step, part);
+  };
+  const std::vector<double>& steps = parts[0]->steps;
+  tbb::parallel_for(std::size_t{0}, steps.size(), [&](std::size_t step) {
+    std::vector<VtpNumber> numbers;
+    double scale = 1;
+    if (results.eigen) {
+      scale = scale_of_mode(parts, step);
+      numbers = {{"mode", steps[step]}, {"frequency", results.eigen->frequencies[step]}, {"scale", scale}};
+    }
+    for (std::size_t part = 0; part < parts.size(); ++part)
+      write_step(results_path.parent_path() / file(step, part), *parts[part], step, numbers, scale);
+  });
   std::vector<ViewerEntry> entries;
-  for (std::size_t step = 0; step < s.steps.size(); ++step)
-    entries.push_back({s.steps[step], 0, folder.filename().string() + "/" + step_name(results_path, step)});
+  for (std::size_t step = 0; step < steps.size(); ++step)
+    for (std::size_t part = 0; part < parts.size(); ++part)
+      entries.push_back({steps[step], static_cast<int>(part), file(step, part)});
   write_viewer_index(viewer_index(results_path), entries);
-  remove_other_steps(results_path, s.steps.size());
+  remove_other_steps(results_path, results.surface ? steps.size() : 0);
+  remove_viewer_parts_from(results_path, results.surface ? 0 : steps.size());
 }
 
 } // namespace iga::io

@@ -44,14 +44,21 @@ std::filesystem::path viewer_index(const std::filesystem::path& results);
 /// The folder of the steps: modes_vtp.
 std::filesystem::path viewer_folder(const std::filesystem::path& results);
 
+/// The file of one of several parts of a step (both from 0), relative to the results file's folder:
+/// out_vtp/out_0001_0.vtp.
+std::string viewer_part(const std::filesystem::path& results, std::size_t step, std::size_t part);
+/// Removes such files of this step and later ones that an earlier run left.
+void remove_viewer_parts_from(const std::filesystem::path& results, std::size_t step);
+
 /// @throws InputError where the .pvd exists and `force` is not set
 void check_viewer_target(const std::filesystem::path& results, bool force);
 
-/// Writes the steps of results.surface as a time series: time is the mode number (the load step, the time); the arrays
-/// have the same names in every step: displacement, von_mises, and stress and strain where there are any. Modes, whose
-/// size means nothing, are scaled so that the largest displacement is a twentieth of the part's box diagonal; the
-/// factor and the frequency are numbers of the data set. Earlier steps that are no longer listed are removed.
-/// @pre results.surface is there
+/// Writes the steps of results.surface, or of results.parts with one file for each body, as a time series: time is the
+/// mode number (the load step, the time); the arrays have the same names in every step: displacement, von_mises, and
+/// stress and strain where there are any. Modes, whose size means nothing, are scaled so that the largest displacement
+/// is a twentieth of the part's box diagonal; the factor and the frequency are numbers of the data set. Earlier steps
+/// that are no longer listed are removed.
+/// @pre results.surface or results.parts is there
 /// @throws InputError as check_viewer_target, and with the system's reason
 void write_viewer_files(const std::filesystem::path& results_path, const Results& results, bool force);
 

@@ -72,7 +72,7 @@ struct EigenResult {
 struct SupportResult {
   std::string name;
   std::string method; ///< nitsche | penalty | lagrange
-  double area = 0;    ///< length²
+  double area = 0;    ///< length²; 0 for lines and points
   Point3 centroid{};  ///< length
   Point3 force{};     ///< of the support on the part
   Point3 moment{};    ///< about the region's centroid, force · length
@@ -81,8 +81,8 @@ struct SupportResult {
 /// One load and its resultant.
 struct LoadResult {
   std::string name;
-  std::string kind;  ///< body force | traction | pressure | point
-  double area = 0;   ///< length²; 0 for body forces and point loads
+  std::string kind;  ///< "pressure", "bearing", …: schema/README.md lists them
+  double area = 0;   ///< length²; 0 for body forces and loads on lines and at points
   Point3 centroid{}; ///< of what it acts on, length
   Point3 force{};    ///< on the part
   Point3 moment{};   ///< about that centroid, force · length
@@ -101,7 +101,7 @@ struct StaticResult {
   /// The rest of the energy balance: strain_energy + penalty_energy = external_work + support_work + gap_work.
   double support_work = 0;   ///< ½ ∫ t · u_D dA: of the reactions on prescribed displacements; force · length
   double gap_work = 0;       ///< Nitsche: ∫ (σ n) · (u - u_D) dA over the supports; force · length
-  double penalty_energy = 0; ///< Nitsche and penalty: ½ ∫ β |u - u_D|² dA; force · length
+  double penalty_energy = 0; ///< Nitsche and penalty: ½ ∫ β |u - u_D|² dA, and of rigid regions; force · length
   std::vector<double> displacement; ///< (n_f × 3): coefficients of all active functions, length
   std::vector<double> positions;    ///< (num_points × 3) of the model's quadrature points, length
   FieldSamples points;              ///< one step, at the model's quadrature points in their order
@@ -153,12 +153,12 @@ struct TimeSeries {
   std::vector<Support> supports = {};
 };
 
-/// A body of an explicit analysis, as the head of its results says.
+/// A body of an explicit analysis, or of one with several bodies, as the head of its results says.
 struct BodyResult {
   std::string name;
   std::string model_file, model_sha256;
   std::string law;                     ///< as in the run file
-  std::string mass;                    ///< lumped | two-pass | three-pass
+  std::string mass;                    ///< consistent | lumped | two-pass | three-pass
   std::string light_functions{"none"}; ///< as in ResultsHeader
   double light_threshold = 0;
   std::int64_t unknowns = 0;
@@ -191,6 +191,16 @@ struct BodyFields {
   std::vector<double> point_plastic_strain; ///< (n_points), or empty
 };
 
+/// Fields of one of several bodies of an eigen or static analysis. They are written into field files, step by step, not
+/// into the results file.
+struct BodyPart {
+  std::string name;
+  std::vector<std::int64_t> active_functions; ///< (n_f), the model's
+  std::vector<double> coefficients;           ///< (num_steps × n_f × 3)
+  SurfaceResult surface;                      ///< with displacement, strain and von Mises stress
+  std::vector<double> point_stress;           ///< (n_points × 6) of the only step, or empty
+};
+
 /// All that one results file holds; parts that an analysis has not are absent.
 struct Results {
   ResultsHeader header;
@@ -199,8 +209,9 @@ struct Results {
   std::optional<StaticResult> statics;
   std::optional<TimeSeries> time_series;
   std::optional<SurfaceResult> surface;
-  std::vector<BodyResult> bodies = {};   ///< explicit
-  std::optional<FieldIndex> fields = {}; ///< explicit
+  std::vector<BodyResult> bodies = {};   ///< explicit, and where there are several
+  std::optional<FieldIndex> fields = {}; ///< likewise
+  std::vector<BodyPart> parts = {};      ///< of several bodies, to be written; empty after reading
 };
 
 } // namespace iga

@@ -25,8 +25,8 @@ PARTS = {"eigen": "/eigen", "static": "/static", "explicit": "/time_series"}
 
 
 class Fields:
-    """Fields of an explicit run at one time, by "<body>/<name>": displacement (vertices, 3), von_mises, strain (vertices),
-    coefficients (functions, 3), plastic_strain (vertices) of laws that have it, point_stress (points, 6), point_plastic_strain (points) where asked for; `mesh` has vertices, triangles, …"""
+    """Fields of an explicit run at one time, or of several bodies in one mode or load step, by "<body>/<name>": displacement
+    (vertices, 3), von_mises, strain (vertices), coefficients (functions, 3), plastic_strain (vertices) of laws that have it, point_stress (points, 6), point_plastic_strain (points) where asked for; `mesh` has vertices, triangles, …"""
 
     def __init__(self, path, mesh=None):
         with h5py.File(path, "r") as file:
@@ -108,10 +108,28 @@ class Results:
         return len(self["/fields/time"]) if "/fields/time" in self else 0
 
     def fields(self, step):
-        """Fields of an explicit run at a step (from 0; -1 is the last one)."""
+        """Fields of an explicit run, or of several bodies, at a step (from 0; -1 is the last one)."""
         folder = self.path.parent
         mesh = Fields(folder / self.attribute("/fields", "bodies_file"))
         return Fields(folder / self.texts("/fields/file")[step], mesh)
+
+    def joined_surface(self):
+        """Fields on the surface as one mesh, whether the file has one body or several: vertices (n, 3), triangles (m, 3), steps,
+        displacement (steps, n, 3) and, where there is one, von_mises (steps, n). None where there are no fields."""
+        if "/surface" in self:
+            found = {name: self[f"/surface/{name}"] for name in ("vertices", "triangles", "steps", "displacement")}
+            return found | ({"von_mises": self["/surface/von_mises"]} if "/surface/von_mises" in self else {})
+        if not self.num_fields():
+            return None
+        bodies, steps = self.texts("/body_names"), [self.fields(step) for step in range(self.num_fields())]
+        mesh = steps[0].mesh
+        first = np.cumsum([0] + [len(mesh[f"{body}/vertices"]) for body in bodies])
+        joined = {"vertices": np.concatenate([mesh[f"{body}/vertices"] for body in bodies]),
+                  "triangles": np.concatenate([mesh[f"{body}/triangles"] + at for body, at in zip(bodies, first)]),
+                  "steps": self["/fields/time"]}
+        for name in ("displacement", "von_mises"):
+            joined[name] = np.stack([np.concatenate([step[f"{body}/{name}"] for body in bodies]) for step in steps])
+        return joined
 
     def field(self, model, coefficients, cells, parameters):
         """u = sum N_i c_i at parameters (n, 3) of given cells (n): coefficients (n_f, 3) of this file, of the functions of the

@@ -90,8 +90,14 @@ def read_run(path):
     except (OSError, tomllib.TOMLDecodeError) as error:
         sys.exit(f"render.py: {path}: cannot be read as a run file ({error})")
     if "model" not in run:
-        sys.exit(f"render.py: {path}: names no model; --choices draws run files of igasolve static and eigen (model = \"…\")")
+        sys.exit(f"render.py: {path}: names no model; --choices draws run files of igasolve static and eigen with one body (model = \"…\")")
     keys = ("region", "box", "plane", "normal", "whole_surface")
+    for kind in TABLES:
+        for number, table in enumerate(run.get(kind, []), 1):
+            what = [key for key in ("patch", "curve", "line", "point", "at") if key in table]
+            if what:
+                print(f"{kind} '{table.get('name', number)}': its {what[0]} is not drawn; the report of igasolve says what it found")
+        run[kind] = [table for table in run.get(kind, []) if "patch" not in table]
     chosen = [(kind, table) for kind in TABLES for table in run.get(kind, []) if any(key in table for key in keys)]
     if not chosen:
         sys.exit(f"render.py: {path}: no [[support]] or [[load]] chooses surface; nothing to draw")

@@ -26,17 +26,18 @@ class Shapes:
 
     def __init__(self, path):
         self.results = iga_results.read(path)
-        if "/surface" not in self.results:
+        self.surface = self.results.joined_surface()
+        if self.surface is None:
             sys.exit(f"render.py: {path}: holds no fields on the surface to draw")
         self.stem = path.stem
         self.title = self.results.attribute("/", "title") or path.stem
-        self.vertices, self.triangles = self.results["/surface/vertices"], self.results["/surface/triangles"]
+        self.vertices, self.triangles = self.surface["vertices"], self.surface["triangles"]
         self.diagonal = float(np.linalg.norm(np.ptp(self.vertices, axis=0)))
         unit = self.results.attribute("/", "length_unit")
         self.unit = "" if unit == "unspecified" else f" {unit}"
 
     def displacement(self, step):
-        return self.results["/surface/displacement"][step]
+        return self.surface["displacement"][step]
 
     def values(self, step, colour):
         """What the colour shows at every vertex."""
@@ -44,9 +45,9 @@ class Shapes:
             sys.exit("render.py: only explicit runs have a plastic strain; use --colour displacement or von_mises")
         if colour == "displacement":
             return np.linalg.norm(self.displacement(step), axis=1)
-        if "/surface/von_mises" not in self.results:
+        if "von_mises" not in self.surface:
             sys.exit("render.py: the file holds no von Mises stress on the surface; use --colour displacement")
-        return self.results["/surface/von_mises"][step]
+        return self.surface["von_mises"][step]
 
     def factor(self, step, share):
         """Exaggeration that makes the largest displacement this share of the part's diagonal."""
@@ -148,7 +149,7 @@ def draw_mode(shapes, step, colour, scale, sight, file):
 
 
 def draw_static(shapes, colour, scale, sight, file):
-    step = len(shapes.results["/surface/steps"]) - 1
+    step = len(shapes.surface["steps"]) - 1
     factor = scale or shapes.factor(step, STATIC_SHARE)
     values = shapes.values(step, colour)
     top = float(np.percentile(values, SPIKES) if colour == "von_mises" else values.max(initial=0))
@@ -173,7 +174,7 @@ def draw(arguments, folder):
         colour = arguments.colour or "von_mises"
         draw_static(shapes, colour, arguments.scale, arguments.sight, folder / f"{shapes.stem}_static.png")
         return
-    colour, count = arguments.colour or "displacement", len(shapes.results["/surface/steps"])
+    colour, count = arguments.colour or "displacement", len(shapes.surface["steps"])
     for number in arguments.mode:
         if not 1 <= number <= count:
             sys.exit(f"render.py: mode {number} is not in the file; it holds 1 … {count}")

@@ -6,6 +6,6 @@
 namespace iga::solve {
 
 /// What to change in a run that did not reach its tolerance: never what it does already.
-std::string numerical_advice(const RunSettings& run, const TrimmedModel& model);
+std::string numerical_advice(const RunSettings& run, std::span<const TrimmedModel> models);
 
 } // namespace iga::solve

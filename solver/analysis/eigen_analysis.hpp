@@ -2,27 +2,26 @@
 #pragma once
 
 #include "solver/analysis/eigen_solver.hpp"
-#include "solver/analysis/run_settings.hpp"
+#include "solver/analysis/prepared_system.hpp"
 #include "solver/mechanics/element_bound.hpp"
 
 namespace iga::solve {
 
 /// What `igasolve eigen` reports; omega in radians per time, frequencies are omega / 2π.
-struct EigenOutcome {
-  std::unique_ptr<SolutionSpace> space; ///< the modes' coefficients belong to it; lives no longer than the model
-  ModeSet modes;                        ///< empty under `largest`
-  double omega_max = 0;                 ///< under `largest`: converged to 1e-8, no factor
+struct EigenOutcome : SystemOutcome {
+  ModeSet modes;        ///< empty under `largest`
+  double omega_max = 0; ///< under `largest`: converged to 1e-8, no factor
   double omega_max_residual = 0;
   std::optional<ElementBound> element; ///< under `largest`
-  std::int64_t bodies = 0;
-  double mass = 0; ///< total, as discretised
-  std::int64_t unknowns = 0, constraints = 0;
-  std::vector<RegionReport> regions; ///< of the supports
-  std::vector<std::string> warnings;
-  std::vector<std::pair<std::string, double>> timings; ///< stage, seconds
+  std::int64_t bodies = 0;             ///< mechanically separate ones
+  std::int64_t constraints = 0;
 };
 
+/// @param models  placed, one for each body of the run
 /// @throws InputError, NumericalError as its parts do
-EigenOutcome analyse_modes(const RunSettings& run, const EigenSettings& settings, const TrimmedModel& model);
+EigenOutcome analyse_modes(const RunSettings& run, const EigenSettings& settings, std::span<const TrimmedModel> models);
+inline EigenOutcome analyse_modes(const RunSettings& run, const EigenSettings& settings, const TrimmedModel& model) {
+  return analyse_modes(run, settings, {&model, 1});
+}
 
 } // namespace iga::solve

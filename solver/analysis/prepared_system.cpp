@@ -18,27 +18,48 @@ void refuse_multipliers(const RunSettings& run) {
                      "method = \"penalty\" or \"nitsche\" in the supports");
 }
 
-PreparedSystem prepare_system(const RunSettings& run, const TrimmedModel& model) {
+void hand_over(PreparedSystem& prepared, SystemOutcome& outcome) {
+  outcome.system = std::move(prepared.bodies);
+  outcome.mass = prepared.M.total();
+  outcome.unknowns = outcome.system.num_unknowns();
+  outcome.regions = std::move(prepared.bound.regions);
+  outcome.ties = std::move(prepared.bound.tie_reports);
+  outcome.warnings = std::move(prepared.warnings);
+  outcome.timings = std::move(prepared.timings);
+}
+
+BodySystem make_system(const RunSettings& run, std::span<const TrimmedModel> models) {
+  const std::vector<RunBody> bodies = bodies_of(run);
+  BodySystem system;
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    system.add(bodies[b].file.name, std::make_shared<const SolutionSpace>(models[b], bodies[b].light),
+               bodies[b].material);
+  return system;
+}
+
+std::vector<std::string> space_warnings(const BodySystem& system) {
+  std::vector<std::string> all;
+  for (std::size_t b = 0; b < system.size(); ++b)
+    for (const std::string& warning : system[b].space->warnings()) all.push_back(system.prefix(b) + warning);
+  return all;
+}
+
+PreparedSystem prepare_system(const RunSettings& run, std::span<const TrimmedModel> models) {
   PreparedSystem system;
   Stopwatch watch(system.timings);
   show_stage(run.progress, "assembly");
-  system.space = std::make_unique<SolutionSpace>(model, run.light);
-  const auto connectivity = std::make_shared<const Connectivity>(*system.space);
+  system.bodies = make_system(run, models);
   watch.stage("space");
-  system.K = assemble_stiffness(*system.space, connectivity, run.material);
-  watch.stage("stiffness");
-  system.M = make_mass(run.mass, *system.space, connectivity, run.material.density);
+  system.bound = bind_system(system.bodies, run, watch);
+  system.M = make_mass(run.mass, system.bodies, system.bound.K.shared_connectivity());
   watch.stage("mass");
-  system.warnings = system.space->warnings();
+  system.warnings = space_warnings(system.bodies);
   if (system.M.moved_functions() > 0)
     system.warnings.push_back(fmt::format("the lumped mass of {} light functions went to their nearest neighbours: "
                                           "extrapolation would have left others without mass",
                                           system.M.moved_functions()));
-  if (!run.supports.empty()) {
-    show_stage(run.progress, "supports");
-    system.supports = apply_supports(*system.space, run.material, run.supports, system.K);
-    watch.stage("supports");
-  }
+  const std::vector<std::string> of_regions = region_warnings(system.bound.regions);
+  system.warnings.insert(system.warnings.end(), of_regions.begin(), of_regions.end());
   return system;
 }
 

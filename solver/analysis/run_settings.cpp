@@ -1,7 +1,10 @@
 #include "solver/analysis/run_settings.hpp"
 
 #include "format/io/settings_reader.hpp"
+#include "format/io/trimmed_model_io.hpp"
 #include "format/model/errors.hpp"
+#include "solver/base/run_tables.hpp"
+#include "solver/ties/read_ties.hpp"
 
 #include <array>
 #include <fmt/format.h>
@@ -37,26 +40,100 @@ template <class Names, class Value> const char* to_name(const Names& names, Valu
   return "";
 }
 
-ElasticMaterial material_of(const TypedRun& typed, Analysis analysis) {
-  if (!typed.rho && analysis != Analysis::Static)
-    throw InputError("material: the density is missing; give --rho or rho in [material]");
+/// Whose material it is, for messages.
+struct MaterialPlace {
+  std::string subject = "material", rho = "--rho or rho in [material], or a name: --material steel",
+              E_nu = "--E and --nu, or E and nu in [material], or a matrix C there, or a name: --material steel";
+};
+
+MaterialPlace place_of_material(const TypedBody& body) {
+  return {fmt::format("{}: material of body '{}'", body.file.where, body.file.name),
+          "rho in its material, or in [material]",
+          "E and nu, a name, or a matrix C, in its material, or in [material]"};
+}
+
+void need_density(const TypedRun& typed, Analysis analysis, const std::string& body, const MaterialPlace& place) {
+  if (analysis != Analysis::Static)
+    throw InputError(fmt::format("{}: the density is missing; give {}", place.subject, place.rho));
   for (const Load& load : typed.statics.loads)
-    if (!typed.rho && analysis == Analysis::Static && load.kind == LoadKind::Acceleration)
-      throw InputError(fmt::format("material: the density is missing, but load '{}' is an acceleration; give --rho or "
-                                   "rho in [material]",
-                                   load.name));
+    if (load.kind == LoadKind::Acceleration && (load.body.empty() || load.body == body))
+      throw InputError(fmt::format("{}: the density is missing, but load '{}' is an acceleration; give {}",
+                                   place.subject, load.name, place.rho));
+}
+
+ElasticMaterial material_of(const TypedMaterial& typed, const MaterialPlace& place) {
   const double rho = typed.rho.value_or(1); // statics do not use it
   if (typed.C) {
-    if (typed.E || typed.nu) throw InputError("material: give either C or E and nu, not both");
+    if (typed.E || typed.nu) throw InputError(fmt::format("{}: give either C or E and nu, not both", place.subject));
     return anisotropic(voigt_matrix(*typed.C), rho);
   }
   if (!typed.E || !typed.nu)
-    throw InputError(
-        fmt::format("material: {} missing; give --E and --nu, or E and nu in [material], or a matrix C there",
-                    !typed.E && !typed.nu ? "E and nu are"
-                    : typed.E             ? "nu is"
-                                          : "E is"));
+    throw InputError(fmt::format("{}: {} missing; give {}", place.subject,
+                                 !typed.E && !typed.nu ? "E and nu are"
+                                 : typed.E             ? "nu is"
+                                                       : "E is",
+                                 place.E_nu));
   return isotropic(*typed.E, *typed.nu, rho);
+}
+
+MaterialWords words_of(const TypedMaterial& material, const UnitSystem* units) {
+  return {material.found.name, material.found.source, material.E, material.nu, material.rho, units};
+}
+
+void complete(TypedMaterial& material, const TypedRun& typed) {
+  if (!material.name) return;
+  if (material.C)
+    throw InputError(fmt::format("material: give either a name, \"{}\", or a matrix C, not both", *material.name));
+  material.found = find_material(*material.name, typed.materials);
+  if (!material.E) material.E = material.found.E / typed.unit->pascal();
+  if (!material.nu) material.nu = material.found.nu;
+  if (!material.rho) material.rho = material.found.rho / typed.unit->kg_per_m3();
+}
+
+LightTreatment light_treatment(MassType mass, const std::optional<std::string>& functions,
+                               const std::optional<double>& threshold) {
+  LightTreatment light = default_light_treatment(mass);
+  if (functions) {
+    light.remedy = from_name(remedy_names, "light_functions", *functions);
+    if (light.remedy == LightFunctions::Remove && !threshold) light.threshold = 1e-8;
+  }
+  if (threshold) {
+    if (!(*threshold >= 0 && *threshold < 1))
+      throw InputError(fmt::format("light_threshold: found {}, expected a mass fraction 0 … 1", *threshold));
+    light.threshold = *threshold;
+    light.threshold_with_gap_ends = -1;
+  }
+  return light;
+}
+
+// Anisotropy turns with the body.
+RunBody run_body(const TypedRun& typed, const TypedBody& body, Analysis analysis, MassType mass) {
+  const MaterialPlace place = place_of_material(body);
+  const TypedMaterial material = body.material.value_or(typed.material);
+  if (!material.rho) need_density(typed, analysis, body.file.name, place);
+  RunBody of_run{body.file, {}, {}, material.rho.has_value(), words_of(material, typed.unit)};
+  try {
+    of_run.material = turned(material_of(material, place), body.file.place.R);
+    of_run.light = light_treatment(mass, body.light_functions ? body.light_functions : typed.light_functions,
+                                   body.light_threshold ? body.light_threshold : typed.light_threshold);
+  } catch (const InputError& error) { // values that make no sense do not know whose they are
+    const std::string text = error.what();
+    throw InputError(text.starts_with(body.file.where)
+                         ? text
+                         : fmt::format("{}: body '{}': {}", body.file.where, body.file.name, text));
+  }
+  return of_run;
+}
+
+void refuse_two_kinds_of_bodies(const TypedRun& typed) {
+  if (typed.bodies.empty()) {
+    if (!typed.ties.empty())
+      throw InputError(fmt::format("{}: a tie joins two bodies; name them in [[bodies]]", typed.ties.front().where));
+    return;
+  }
+  if (typed.model)
+    throw InputError(fmt::format("{}: the run has [[bodies]], and a model of its own, {}; leave one of them out",
+                                 typed.bodies.front().file.where, typed.model->string()));
 }
 
 int whole(const char* key, std::int64_t value, std::int64_t least, std::int64_t most) {
@@ -68,15 +145,51 @@ int whole(const char* key, std::int64_t value, std::int64_t least, std::int64_t 
 // Every key that a run file of eigen, timestep and static may hold.
 std::vector<io::TableKeys> run_keys() {
   std::vector<io::TableKeys> keys{
-      {"", {"model", "output", "units", "mass", "light_functions", "light_threshold"}},
-      {"material", {"E", "nu", "rho", "C"}},
+      {"",
+       {"model", "output", "units", "unit_system", "material", "materials", "mass", "light_functions",
+        "light_threshold"}},
+      {"material", {"name", "E", "nu", "rho", "C"}},
+      {"bodies", {"light_functions", "light_threshold"}},
+      {"bodies.material", {"law", "name", "E", "nu", "rho", "C"}},
       {"eigen", {"modes", "largest", "sturm"}},
       {"results", {"subdivide", "viewer"}},
-      {"support", {"name", "fixed", "rotation", "rotate_axis_angle", "value", "gradient", "method", "penalty_factor"}},
-      {"probe", {"name", "position"}}};
-  for (const auto& more : {load_keys("load"), region_keys("support")})
+      {"load", {"body"}},
+      {"support",
+       {"name", "body", "fixed", "rotation", "rotate_axis_angle", "value", "gradient", "method", "penalty_factor"}},
+      {"probe", {"name", "body", "position"}}};
+  for (const auto& more :
+       {load_keys("load"), region_keys("support"), place_keys("support"), body_file_keys(), tie_keys()})
     keys.insert(keys.end(), more.begin(), more.end());
   return keys;
+}
+
+TypedMaterial read_material(io::SettingsTable& table) {
+  TypedMaterial material;
+  material.name = table.text("name");
+  material.E = table.number("E");
+  material.nu = table.number("nu");
+  material.rho = table.number("rho");
+  material.C = table.numbers("C", {21, 36});
+  return material;
+}
+
+void read_bodies(io::SettingsTable& root, TypedRun& run) {
+  std::vector<std::string> names;
+  for (io::SettingsTable& table : root.tables("bodies")) {
+    TypedBody body;
+    body.file = read_body_file(table, names);
+    names.push_back(body.file.name);
+    io::SettingsTable material = table.table("material");
+    const auto law = material.text("law"); // as explicit runs have it
+    if (law && *law != "linear-elastic")
+      refuse(material, "law",
+             fmt::format("found \"{}\", expected \"linear-elastic\" or none: this analysis is linear", *law));
+    const TypedMaterial typed = read_material(material);
+    if (typed.name || typed.E || typed.nu || typed.rho || typed.C) body.material = typed;
+    body.light_functions = table.text("light_functions");
+    body.light_threshold = table.number("light_threshold");
+    run.bodies.push_back(std::move(body));
+  }
 }
 
 } // namespace
@@ -105,11 +218,16 @@ TypedRun read_run_file(const std::filesystem::path& file) {
   t.mass = root.text("mass");
   t.light_functions = root.text("light_functions");
   t.light_threshold = root.number("light_threshold");
-  io::SettingsTable material = root.table("material");
-  t.E = material.number("E");
-  t.nu = material.number("nu");
-  t.rho = material.number("rho");
-  t.C = material.numbers("C", {21, 36});
+  t.unit_system = root.text("unit_system");
+  t.materials = root.path("materials");
+  if (root.holds_text("material")) {
+    t.material.name = root.text("material");
+  } else {
+    io::SettingsTable material = root.table("material");
+    t.material = read_material(material);
+  }
+  read_bodies(root, t);
+  t.ties = read_ties(root);
   io::SettingsTable eigen = root.table("eigen");
   t.modes = eigen.integer("modes");
   t.largest = eigen.boolean("largest");
@@ -123,6 +241,11 @@ TypedRun read_run_file(const std::filesystem::path& file) {
   return t;
 }
 
+std::vector<RunBody> bodies_of(const RunSettings& run) {
+  if (!run.bodies.empty()) return run.bodies;
+  return {{{{}, {}, run.model, {}}, run.material, run.light, run.has_density, run.words}};
+}
+
 TypedRun override_run(TypedRun t, const TypedRun& flags) {
   const auto take = [](auto& target, const auto& flag) {
     if (flag) target = flag;
@@ -133,10 +256,15 @@ TypedRun override_run(TypedRun t, const TypedRun& flags) {
   take(t.mass, flags.mass);
   take(t.light_functions, flags.light_functions);
   take(t.light_threshold, flags.light_threshold);
-  if (flags.E || flags.nu) t.C.reset(); // an isotropic material by flag replaces the file's matrix
-  take(t.E, flags.E);
-  take(t.nu, flags.nu);
-  take(t.rho, flags.rho);
+  take(t.unit_system, flags.unit_system);
+  take(t.materials, flags.materials);
+  TypedMaterial& material = t.material;
+  if (flags.material.name) material = {}; // in the place of the file's material
+  take(material.name, flags.material.name);
+  if (flags.material.E || flags.material.nu) material.C.reset(); // an isotropic one by flag replaces the file's matrix
+  take(material.E, flags.material.E);
+  take(material.nu, flags.material.nu);
+  take(material.rho, flags.material.rho);
   take(t.modes, flags.modes);
   take(t.largest, flags.largest);
   take(t.sturm, flags.sturm);
@@ -145,31 +273,44 @@ TypedRun override_run(TypedRun t, const TypedRun& flags) {
   return t;
 }
 
+TypedRun complete_materials(TypedRun typed) {
+  bool named = typed.material.name.has_value();
+  for (const TypedBody& body : typed.bodies) named = named || (body.material && body.material->name);
+  if (typed.materials && !named)
+    throw InputError(fmt::format("materials: {} is given, but no name of a material in it; add material = \"…\"",
+                                 typed.materials->string()));
+  // All models of a run have one length unit.
+  const auto model = typed.bodies.empty() ? typed.model : std::optional(typed.bodies.front().file.model);
+  if (!model || (!named && !typed.unit_system)) return typed;
+  typed.unit = &choose_units(typed.unit_system, io::read_length_unit(*model), model->string());
+  complete(typed.material, typed);
+  for (TypedBody& body : typed.bodies)
+    if (body.material) complete(*body.material, typed);
+  return typed;
+}
+
 RunSettings validate_run(const TypedRun& typed, Analysis analysis) {
   RunSettings run;
   run.analysis = analysis;
-  if (!typed.model)
+  refuse_two_kinds_of_bodies(typed);
+  if (!typed.model && typed.bodies.empty())
     throw InputError("no model file is given; give one made by igaprep, or model = \"…\" in the run file");
-  run.model = *typed.model;
   if (typed.output) run.output = *typed.output;
   run.units = typed.units;
-  run.material = material_of(typed, analysis);
   run.mass = analysis == Analysis::Timestep ? MassType::Lumped : MassType::Consistent;
   run.eigen.largest = typed.largest.value_or(false);
   if (run.eigen.largest) run.mass = MassType::Lumped;
   if (typed.mass) run.mass = from_name(mass_names, "mass", *typed.mass);
-  run.light = default_light_treatment(run.mass);
-  if (typed.light_functions) {
-    run.light.remedy = from_name(remedy_names, "light_functions", *typed.light_functions);
-    if (run.light.remedy == LightFunctions::Remove && !typed.light_threshold) run.light.threshold = 1e-8;
+  for (const TypedBody& body : typed.bodies) run.bodies.push_back(run_body(typed, body, analysis, run.mass));
+  if (run.bodies.empty()) {
+    run.model = *typed.model;
+    if (!typed.material.rho) need_density(typed, analysis, "", {});
+    run.material = material_of(typed.material, {});
+    run.words = words_of(typed.material, typed.unit);
+    run.has_density = typed.material.rho.has_value();
+    run.light = light_treatment(run.mass, typed.light_functions, typed.light_threshold);
   }
-  if (typed.light_threshold) {
-    if (!(*typed.light_threshold >= 0 && *typed.light_threshold < 1))
-      throw InputError(
-          fmt::format("light_threshold: found {}, expected a mass fraction 0 … 1", *typed.light_threshold));
-    run.light.threshold = *typed.light_threshold;
-    run.light.threshold_with_gap_ends = -1;
-  }
+  run.ties = typed.ties;
   run.supports = typed.supports;
   run.statics = typed.statics;
   if (typed.modes) run.eigen.modes = whole("modes", *typed.modes, 1, 1'000'000);

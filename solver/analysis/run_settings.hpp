@@ -4,9 +4,12 @@
 #include "solver/analysis/eigen_settings.hpp"
 #include "solver/mechanics/mass_type.hpp"
 #include "solver/mechanics/material.hpp"
+#include "solver/mechanics/material_table.hpp"
+#include "solver/space/body_tables.hpp"
 #include "solver/space/solution_space.hpp"
 #include "solver/supports/boundary.hpp"
 #include "solver/supports/read_supports.hpp"
+#include "solver/ties/tie.hpp"
 
 #include <filesystem>
 #include <optional>
@@ -19,27 +22,61 @@ namespace iga::solve {
 
 enum class Analysis { Eigen, Timestep, Static };
 
+/// [material], or the material of one of [[bodies]], as typed.
+struct TypedMaterial {
+  std::optional<std::string> name; ///< numbers beside it stand in place of its own
+  std::optional<double> E, nu, rho;
+  std::optional<std::vector<double>> C; ///< 36 numbers row by row, or the 21 of the upper triangle
+  NamedMaterial found = {};             ///< by complete_materials: the material of that name
+};
+
+/// One of [[bodies]], as typed.
+struct TypedBody {
+  BodyFile file;
+  std::optional<TypedMaterial> material; ///< none: [material] of the run
+  std::optional<std::string> light_functions;
+  std::optional<double> light_threshold;
+};
+
 /// Settings as typed: nothing is filled in yet. Names are those of the flags with underscores.
 struct TypedRun {
   std::optional<std::filesystem::path> model, output;
   std::optional<std::string> units, mass, light_functions;
-  std::optional<double> E, nu, rho, light_threshold;
-  std::optional<std::vector<double>> C; ///< 36 numbers row by row, or the 21 of the upper triangle
+  std::optional<std::string> unit_system;         ///< in which numbers of named materials are given
+  std::optional<std::filesystem::path> materials; ///< a table of the user's own
+  std::optional<double> light_threshold;
+  TypedMaterial material;
+  const UnitSystem* unit = nullptr; ///< by complete_materials: that of the numbers; null where nobody asks for one
   std::optional<std::int64_t> modes, subdivide;
   std::optional<bool> largest, sturm, viewer;
+  std::vector<TypedBody> bodies; ///< run files only
+  std::vector<Tie> ties;         ///< run files only
   std::vector<Support> supports; ///< run files only
   StaticSettings statics;        ///< run files only
+};
+
+/// One body of a run.
+struct RunBody {
+  BodyFile file; ///< without a name where the run has no [[bodies]]
+  ElasticMaterial material;
+  LightTreatment light;
+  bool has_density = true; ///< false: the material's density stands for none
+  MaterialWords words;     ///< about the material, for the report
 };
 
 /// Settings that every analysis has, complete.
 struct RunSettings {
   Analysis analysis = Analysis::Eigen;
+  std::vector<RunBody> bodies;      ///< [[bodies]]; empty: one body of `model`, `material` and `light`
   std::filesystem::path model;      ///< interchange file
   std::filesystem::path output;     ///< results file; empty: none is written
   std::optional<std::string> units; ///< label that must match the model's length_unit
   ElasticMaterial material;
+  MaterialWords words; ///< about the material, for the report
   MassType mass = MassType::Consistent;
   LightTreatment light;
+  bool has_density = true; ///< as in RunBody
+  std::vector<Tie> ties;
   std::vector<Support> supports;
   EigenSettings eigen;
   StaticSettings statics;
@@ -56,8 +93,15 @@ LightTreatment default_light_treatment(MassType mass);
 TypedRun read_run_file(const std::filesystem::path& file);
 /// `flags` where given, else `file`.
 TypedRun override_run(TypedRun file, const TypedRun& flags);
+/// Gives the numbers of named materials in the units of the models' length; as it is where nobody asks for a name or
+/// units.
+/// @throws InputError as choose_units and find_material, for a name together with C, and as read_model
+TypedRun complete_materials(TypedRun typed);
 /// @throws InputError naming what is missing or impossible
 RunSettings validate_run(const TypedRun& typed, Analysis analysis);
+
+/// The bodies of a run, whether it names them or not.
+std::vector<RunBody> bodies_of(const RunSettings& run);
 
 const char* name_of(MassType mass);
 const char* name_of(LightFunctions remedy);

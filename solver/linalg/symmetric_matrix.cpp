@@ -64,6 +64,42 @@ NodePattern make_pattern(const SolutionSpace& space) {
   return pattern;
 }
 
+// Patterns of several spaces as one: nodes follow one another.
+NodePattern joined(std::vector<NodePattern> parts) {
+  if (parts.size() == 1) return std::move(parts.front());
+  NodePattern pattern;
+  pattern.offsets.assign(1, 0);
+  for (const NodePattern& part : parts) {
+    const auto first_node = static_cast<std::int32_t>(pattern.num_nodes());
+    const std::int64_t first_pair = pattern.num_pairs();
+    for (std::size_t j = 1; j < part.offsets.size(); ++j) pattern.offsets.push_back(first_pair + part.offsets[j]);
+    for (const std::int32_t row : part.rows) pattern.rows.push_back(first_node + row);
+  }
+  return pattern;
+}
+
+NodePattern with_couples(NodePattern pattern, std::span<const std::vector<std::int32_t>> coupled) {
+  if (coupled.empty()) return pattern;
+  std::vector<std::vector<std::int32_t>> columns(static_cast<std::size_t>(pattern.num_nodes()));
+  for (std::size_t j = 0; j < columns.size(); ++j)
+    columns[j].assign(pattern.rows.begin() + pattern.offsets[j], pattern.rows.begin() + pattern.offsets[j + 1]);
+  for (const auto& nodes : coupled)
+    for (const std::int32_t column : nodes) {
+      auto& rows = columns[static_cast<std::size_t>(column)];
+      for (const std::int32_t row : nodes)
+        if (row > column) rows.push_back(row);
+      std::sort(rows.begin(), rows.end());
+      rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+    }
+  NodePattern wider;
+  wider.offsets.assign(1, 0);
+  for (const auto& rows : columns) {
+    wider.rows.insert(wider.rows.end(), rows.begin(), rows.end());
+    wider.offsets.push_back(static_cast<std::int64_t>(wider.rows.size()));
+  }
+  return wider;
+}
+
 // Edge of a block in spans: its share of a matrix fits into the second-level cache at low degree.
 constexpr std::int64_t block_edge = 4;
 
@@ -114,23 +150,25 @@ SpanBlocks make_blocks(const SolutionSpace& space) {
 }
 
 // Visits the lower node pairs of a span in runs: visit(r, c, length, column, place) for the rows nodes[r …  r + length)
-// that lie one after the other in column nodes[c] of the pattern, the first one at `place`.
+// that lie one after the other in column nodes[c] of the pattern, the first one at `place`; `first_node` is added to
+// all of them.
 // Nodes come in runs of neighbours along u, and so do the pattern's rows.
-template <class Visit> void for_runs(const NodePattern& pattern, std::span<const std::int32_t> nodes, Visit visit) {
+template <class Visit>
+void for_runs(const NodePattern& pattern, std::span<const std::int32_t> nodes, std::int32_t first_node, Visit visit) {
   for (std::size_t c = 0; c < nodes.size(); ++c) {
-    const auto column = static_cast<std::size_t>(nodes[c]);
+    const auto column = static_cast<std::size_t>(first_node + nodes[c]);
     const auto* const first = pattern.rows.data() + pattern.offsets[column];
     const auto* const last = pattern.rows.data() + pattern.offsets[column + 1];
     const auto* row = first;
     for (std::size_t r = c; r < nodes.size();) {
-      if (*row != nodes[r]) row = std::lower_bound(row, last, nodes[r]);
-      assert(row != last && *row == nodes[r]);
+      if (*row != first_node + nodes[r]) row = std::lower_bound(row, last, first_node + nodes[r]);
+      assert(row != last && *row == first_node + nodes[r]);
       const auto* const begin = row;
       const std::size_t r0 = r;
       do {
         ++row;
         ++r;
-      } while (r < nodes.size() && row != last && *row == nodes[r]);
+      } while (r < nodes.size() && row != last && *row == first_node + nodes[r]);
       visit(static_cast<Eigen::Index>(r0), static_cast<Eigen::Index>(c), static_cast<Eigen::Index>(r - r0), column,
             begin - first);
     }
@@ -173,7 +211,20 @@ void multiply_in_blocks(const NodePattern& pattern, double* y, MultiplyColumns m
 
 } // namespace
 
-Connectivity::Connectivity(const SolutionSpace& space) : pattern(make_pattern(space)), blocks(make_blocks(space)) {}
+Connectivity::Connectivity(const SolutionSpace& space) : Connectivity(std::array{&space}, {}) {}
+
+Connectivity::Connectivity(std::span<const SolutionSpace* const> spaces,
+                           std::span<const std::vector<std::int32_t>> coupled) {
+  std::vector<NodePattern> parts;
+  std::int64_t nodes = 0;
+  for (const SolutionSpace* const space : spaces) {
+    parts.push_back(make_pattern(*space));
+    blocks.push_back(make_blocks(*space));
+    first_node.push_back(static_cast<std::int32_t>(nodes));
+    nodes += space->num_nodes();
+  }
+  pattern = with_couples(joined(std::move(parts)), coupled);
+}
 
 ZeroedArray::ZeroedArray(std::size_t size) : size_(size) {
   const std::size_t bytes = std::max<std::size_t>(size, 1) * sizeof(double);
@@ -190,16 +241,18 @@ void ZeroedArray::Unmap::operator()(double* p) const {
 StiffnessMatrix::StiffnessMatrix(std::shared_ptr<const Connectivity> connectivity)
     : connectivity_(std::move(connectivity)), values_(9 * static_cast<std::size_t>(pattern().num_pairs())) {}
 
-void StiffnessMatrix::add(std::span<const std::int32_t> nodes, const Eigen::Ref<const Eigen::MatrixXd>& block) {
+void StiffnessMatrix::add(std::span<const std::int32_t> nodes, const Eigen::Ref<const Eigen::MatrixXd>& block,
+                          std::int32_t first_node) {
   const NodePattern& p = pattern();
-  for_runs(p, nodes, [&](Eigen::Index r, Eigen::Index c, Eigen::Index n, std::size_t column, std::ptrdiff_t place) {
-    const std::int64_t height = p.offsets[column + 1] - p.offsets[column];
-    double* out = values_.data() + 9 * p.offsets[column] + 3 * place;
-    for (Eigen::Index b = 0; b < 3; ++b, out += 3 * height) {
-      const double* in = &block.coeffRef(3 * r, 3 * c + b);
-      for (Eigen::Index k = 0; k < 3 * n; ++k) out[k] += in[k];
-    }
-  });
+  for_runs(p, nodes, first_node,
+           [&](Eigen::Index r, Eigen::Index c, Eigen::Index n, std::size_t column, std::ptrdiff_t place) {
+             const std::int64_t height = p.offsets[column + 1] - p.offsets[column];
+             double* out = values_.data() + 9 * p.offsets[column] + 3 * place;
+             for (Eigen::Index b = 0; b < 3; ++b, out += 3 * height) {
+               const double* in = &block.coeffRef(3 * r, 3 * c + b);
+               for (Eigen::Index k = 0; k < 3 * n; ++k) out[k] += in[k];
+             }
+           });
 }
 
 void StiffnessMatrix::multiply(const double* x, double* y) const {
@@ -249,13 +302,15 @@ Eigen::VectorXd StiffnessMatrix::diagonal() const {
 MassMatrix::MassMatrix(std::shared_ptr<const Connectivity> connectivity)
     : connectivity_(std::move(connectivity)), values_(static_cast<std::size_t>(pattern().num_pairs())) {}
 
-void MassMatrix::add(std::span<const std::int32_t> nodes, const Eigen::Ref<const Eigen::MatrixXd>& block) {
+void MassMatrix::add(std::span<const std::int32_t> nodes, const Eigen::Ref<const Eigen::MatrixXd>& block,
+                     std::int32_t first_node) {
   const NodePattern& p = pattern();
-  for_runs(p, nodes, [&](Eigen::Index r, Eigen::Index c, Eigen::Index n, std::size_t column, std::ptrdiff_t place) {
-    double* out = values_.data() + p.offsets[column] + place;
-    const double* in = &block.coeffRef(r, c);
-    for (Eigen::Index k = 0; k < n; ++k) out[k] += in[k];
-  });
+  for_runs(p, nodes, first_node,
+           [&](Eigen::Index r, Eigen::Index c, Eigen::Index n, std::size_t column, std::ptrdiff_t place) {
+             double* out = values_.data() + p.offsets[column] + place;
+             const double* in = &block.coeffRef(r, c);
+             for (Eigen::Index k = 0; k < n; ++k) out[k] += in[k];
+           });
 }
 
 void MassMatrix::multiply(const double* x, double* y) const {

@@ -26,17 +26,20 @@ struct SpanBlocks {
   std::vector<std::int32_t> spans;          ///< (num_spans)
 };
 
-/// Sparsity and order of assembly of a space; made once, shared by all matrices.
+/// Sparsity and order of assembly of one space, or of several whose nodes follow one another; made once, shared by all
+/// matrices.
 struct Connectivity {
   explicit Connectivity(const SolutionSpace& space);
+  /// @param coupled  sets of nodes, numbered over all spaces, that share entries although they share no span
+  Connectivity(std::span<const SolutionSpace* const> spaces, std::span<const std::vector<std::int32_t>> coupled);
   NodePattern pattern;
-  SpanBlocks blocks;
+  std::vector<SpanBlocks> blocks;       ///< by space
+  std::vector<std::int32_t> first_node; ///< by space
 };
 
-/// Runs visit(a) for every active span; parallel over the blocks of a colour, so that visit may add to matrices and
-/// vectors of this connectivity.
-template <class Visit> void for_spans(const Connectivity& connectivity, Visit visit) {
-  const SpanBlocks& blocks = connectivity.blocks;
+/// Runs visit(a) for every active span of a space; parallel over the blocks of a colour, so that visit may add to
+/// matrices and vectors of this connectivity.
+template <class Visit> void for_spans(const SpanBlocks& blocks, Visit visit) {
   for (std::size_t c = 0; c + 1 < blocks.colour_offsets.size(); ++c)
     tbb::parallel_for(blocks.colour_offsets[c], blocks.colour_offsets[c + 1], [&](std::int64_t b) {
       const auto block = static_cast<std::size_t>(b);
@@ -81,7 +84,9 @@ class StiffnessMatrix {
 
   /// Adds a span's symmetric matrix; unknown 3 r + a belongs to nodes[r]. Of `block` only the 3 × 3 blocks on and below
   /// the diagonal are read, those on it whole. Within for_spans.
-  void add(std::span<const std::int32_t> nodes, const Eigen::Ref<const Eigen::MatrixXd>& block);
+  /// @param nodes  ascending, counted from first_node
+  void add(std::span<const std::int32_t> nodes, const Eigen::Ref<const Eigen::MatrixXd>& block,
+           std::int32_t first_node = 0);
   /// y = A x; parallel, the same bits for any number of threads.
   void multiply(const double* x, double* y) const;
   Eigen::VectorXd operator*(const Eigen::VectorXd& x) const;
@@ -103,7 +108,8 @@ class MassMatrix {
   std::span<double> values() { return {values_.data(), values_.size()}; } ///< in the order of the pattern's rows
   std::span<const double> values() const { return {values_.data(), values_.size()}; }
 
-  void add(std::span<const std::int32_t> nodes, const Eigen::Ref<const Eigen::MatrixXd>& block);
+  void add(std::span<const std::int32_t> nodes, const Eigen::Ref<const Eigen::MatrixXd>& block,
+           std::int32_t first_node = 0);
   void multiply(const double* x, double* y) const;
   Eigen::VectorXd operator*(const Eigen::VectorXd& x) const;
   Eigen::VectorXd diagonal() const; ///< (num_nodes)

@@ -169,52 +169,68 @@ SpanClasses classify(const SolutionSpace& space, InteriorPoints interior) {
 
 // Adds compute(span, work) → matrix of every span; once per class.
 template <class Matrix, class Compute>
-void add_spans(const SolutionSpace& space, const Connectivity& connectivity, InteriorPoints interior, Matrix& matrix,
-               Compute compute) {
+void add_spans(const SolutionSpace& space, const Connectivity& connectivity, std::size_t place, InteriorPoints interior,
+               Matrix& matrix, Compute compute) {
   const SpanClasses classes = classify(space, interior);
   tbb::enumerable_thread_specific<WorkSpace> work_spaces;
   std::vector<Eigen::MatrixXd> shared(classes.representative.size());
   tbb::parallel_for(std::size_t{0}, shared.size(),
                     [&](std::size_t c) { shared[c] = compute(classes.representative[c], work_spaces.local()); });
   const auto& offsets = space.model().points.offsets;
-  for_spans(connectivity, [&](std::int64_t a) {
+  for_spans(connectivity.blocks[place], [&](std::int64_t a) {
     const auto s = static_cast<std::size_t>(a);
     // Generalised rules leave spans without points.
     if (offsets[s] == offsets[s + 1] && interior == InteriorPoints::Model && space.fictitious_share(a) == 0) return;
     const std::int32_t kind = classes.of_span[s];
-    matrix.add(space.nodes(a), kind >= 0 ? shared[static_cast<std::size_t>(kind)] : compute(a, work_spaces.local()));
+    matrix.add(space.nodes(a), kind >= 0 ? shared[static_cast<std::size_t>(kind)] : compute(a, work_spaces.local()),
+               connectivity.first_node[place]);
   });
 }
 
 } // namespace
 
+StiffnessMatrix assemble_stiffness(const BodySystem& system, const std::shared_ptr<const Connectivity>& connectivity) {
+  StiffnessMatrix K(connectivity);
+  for (std::size_t b = 0; b < system.size(); ++b) {
+    const SolutionSpace& space = *system[b].space;
+    const Elasticity elasticity(system[b].material);
+    add_spans(space, *connectivity, b, InteriorPoints::Model, K,
+              [&](std::int64_t a, WorkSpace& work) -> const Eigen::MatrixXd& {
+                gradient_products(space, a, InteriorPoints::Model, work);
+                elasticity.apply(work.product);
+                return work.product;
+              });
+  }
+  return K;
+}
+
 StiffnessMatrix assemble_stiffness(const SolutionSpace& space, const std::shared_ptr<const Connectivity>& connectivity,
                                    const ElasticMaterial& material) {
-  const Elasticity elasticity(material);
-  StiffnessMatrix K(connectivity);
-  add_spans(space, *connectivity, InteriorPoints::Model, K,
-            [&](std::int64_t a, WorkSpace& work) -> const Eigen::MatrixXd& {
-              gradient_products(space, a, InteriorPoints::Model, work);
-              elasticity.apply(work.product);
-              return work.product;
-            });
-  return K;
+  return assemble_stiffness(BodySystem(space, material), connectivity);
+}
+
+MassMatrix assemble_mass(const BodySystem& system, const std::shared_ptr<const Connectivity>& connectivity) {
+  MassMatrix M(connectivity);
+  for (std::size_t b = 0; b < system.size(); ++b) {
+    const SolutionSpace& space = *system[b].space;
+    const double density = system[b].material.density;
+    add_spans(space, *connectivity, b, InteriorPoints::Gauss, M,
+              [&](std::int64_t a, WorkSpace& work) -> const Eigen::MatrixXd& {
+                const auto [parameters, weights] = span_points(space, a, work.points, InteriorPoints::Gauss);
+                evaluate(space, a, parameters, Shapes::Values, work.shapes);
+                const Eigen::Map<const Eigen::ArrayXd> w(weights.data(), static_cast<Eigen::Index>(weights.size()));
+                work.weighted = work.shapes.values.array().colwise() * (density * w).sqrt();
+                work.product.setZero(work.weighted.cols(), work.weighted.cols());
+                work.product.selfadjointView<Eigen::Lower>().rankUpdate(work.weighted.transpose());
+                return work.product;
+              });
+  }
+  return M;
 }
 
 MassMatrix assemble_mass(const SolutionSpace& space, const std::shared_ptr<const Connectivity>& connectivity,
                          double density) {
-  MassMatrix M(connectivity);
-  add_spans(space, *connectivity, InteriorPoints::Gauss, M,
-            [&](std::int64_t a, WorkSpace& work) -> const Eigen::MatrixXd& {
-              const auto [parameters, weights] = span_points(space, a, work.points, InteriorPoints::Gauss);
-              evaluate(space, a, parameters, Shapes::Values, work.shapes);
-              const Eigen::Map<const Eigen::ArrayXd> w(weights.data(), static_cast<Eigen::Index>(weights.size()));
-              work.weighted = work.shapes.values.array().colwise() * (density * w).sqrt();
-              work.product.setZero(work.weighted.cols(), work.weighted.cols());
-              work.product.selfadjointView<Eigen::Lower>().rankUpdate(work.weighted.transpose());
-              return work.product;
-            });
-  return M;
+  return assemble_mass(BodySystem(space, {.density = density}), connectivity);
 }
 
 void span_stiffness(const SolutionSpace& space, std::int64_t a, const ElasticMaterial& material, SpanShapes& shapes,

@@ -1,8 +1,7 @@
 // Stiffness, mass and body loads from the quadrature points of a model. Parallel; the same bits for any thread count.
 #pragma once
 
-#include "solver/linalg/symmetric_matrix.hpp"
-#include "solver/mechanics/material.hpp"
+#include "solver/mechanics/body_system.hpp"
 
 namespace iga::solve {
 
@@ -10,10 +9,15 @@ namespace iga::solve {
 StiffnessMatrix assemble_stiffness(const SolutionSpace& space, const std::shared_ptr<const Connectivity>& connectivity,
                                    const ElasticMaterial& material);
 
+/// The same of all bodies; blocks of different bodies stay zero.
+StiffnessMatrix assemble_stiffness(const BodySystem& system, const std::shared_ptr<const Connectivity>& connectivity);
+
 /// M_ij = ∫ ρ N_i N_j dV. Interior spans are integrated exactly whatever their rule: the reduced ones keep row sums,
 /// not products of functions.
 MassMatrix assemble_mass(const SolutionSpace& space, const std::shared_ptr<const Connectivity>& connectivity,
                          double density);
+
+MassMatrix assemble_mass(const BodySystem& system, const std::shared_ptr<const Connectivity>& connectivity);
 
 /// m_i = ∫ ρ N_i dV: the row sums of M without M. (num_nodes) An extension may take more mass from a node than it has:
 /// see spare_masses.

@@ -99,4 +99,15 @@ std::optional<ElementBound> element_bound(const SolutionSpace& space, const Elas
   return ElementBound{std::sqrt(*top * passes), top - lambda.begin()};
 }
 
+std::optional<ElementBound> element_bound(const BodySystem& system, MassType mass) {
+  std::optional<ElementBound> largest;
+  for (std::size_t b = 0; b < system.size(); ++b) {
+    auto bound = element_bound(*system[b].space, system[b].material, mass);
+    if (!bound) return {};
+    bound->body = b;
+    if (!largest || bound->omega > largest->omega) largest = bound;
+  }
+  return largest;
+}
+
 } // namespace iga::solve

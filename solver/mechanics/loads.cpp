@@ -3,7 +3,7 @@
 #include "format/model/vec3.hpp"
 #include "solver/base/in_order.hpp"
 #include "solver/mechanics/assemble.hpp"
-#include "solver/space/locate.hpp"
+#include "solver/mechanics/spread_loads.hpp"
 
 #include <fmt/format.h>
 
@@ -31,17 +31,29 @@ Eigen::VectorXd volume_load(const SolutionSpace& space, const Point3& b, LoadRep
   return body_force(space, b);
 }
 
-Eigen::VectorXd point_load(const SolutionSpace& space, const Load& load, const Point3& force, LoadReport& report) {
-  const LocatedPoint at = locate(space.model(), load.position, fmt::format("load '{}'", load.name));
-  SpanShapes shapes;
-  evaluate(space, at.cell, at.parameter, Shapes::Values, shapes);
-  Eigen::VectorXd f = Eigen::VectorXd::Zero(space.num_unknowns());
-  const auto nodes = space.nodes(at.cell);
-  for (std::size_t r = 0; r < nodes.size(); ++r)
-    for (std::size_t d = 0; d < 3; ++d)
-      f[3 * nodes[r] + static_cast<Eigen::Index>(d)] = shapes.values(0, static_cast<Eigen::Index>(r)) * force[d];
-  add_resultant(report, at.position, force);
-  return f;
+// The traction of a load on a region; force/length on a line, force at a point.
+TractionField traction_of(const TrimmedModel& model, const Load& load, SurfaceRegion& region, const std::string& what) {
+  const Point3 vector = in_part_frame(load.frame, load.vector);
+  const auto constant = [](const Point3& t) { return [t](const Point3&, const Point3&) { return t; }; };
+  switch (load.kind) {
+  case LoadKind::Pressure:
+    return [p = load.pressure](const Point3&, const Point3& n) { return times(n, -p); };
+  case LoadKind::TotalForce:
+    return constant(times(vector, 1 / region.report.area));
+  case LoadKind::Line:
+    return constant(times(vector, 1 / region.report.length));
+  case LoadKind::Remote: {
+    const Point3 arm = minus(load.remote.value_or(region.report.centroid), region.report.centroid);
+    return spread_evenly(model, region, vector, plus(in_part_frame(load.frame, load.moment), cross(arm, vector)));
+  }
+  case LoadKind::Bearing: {
+    const Cylinder cylinder = fit_cylinder(model, region, what);
+    region.report.note = cylinder.text();
+    return bearing_pressure(model, region, cylinder, vector, what);
+  }
+  default:
+    return constant(vector);
+  }
 }
 
 } // namespace
@@ -91,21 +103,50 @@ LoadTerms assemble_loads(const SolutionSpace& space, double density, std::span<c
       terms.load += volume_load(space, vector, report);
     } else if (load.kind == LoadKind::Acceleration) {
       terms.load += volume_load(space, times(vector, density), report);
-    } else if (load.kind == LoadKind::Point) {
-      terms.load += point_load(space, load, vector, report);
     } else {
-      const SurfaceRegion region = choose_region(space.model(), load.region, fmt::format("load '{}'", load.name));
+      const std::string what = fmt::format("load '{}'", load.name);
+      SurfaceRegion region = load.place.given() ? choose_places(space.model(), load.place, what)
+                                                : choose_region(space.model(), load.region, what);
+      const TractionField traction = traction_of(space.model(), load, region, what);
       report.region = region.report;
       report.region.name = load.name;
-      const bool pressure = load.kind == LoadKind::Pressure;
-      const Point3 constant = load.kind == LoadKind::TotalForce ? times(vector, 1 / region.report.area) : vector;
-      terms.load += traction_load(
-          space, region, [&](const Point3&, const Point3& n) { return pressure ? times(n, -load.pressure) : constant; },
-          report);
+      terms.load += traction_load(space, region, traction, report);
     }
     terms.reports.push_back(std::move(report));
   }
   return terms;
+}
+
+const char* name_of(LoadKind kind) {
+  switch (kind) {
+  case LoadKind::BodyForce:
+    return "body force";
+  case LoadKind::Acceleration:
+    return "acceleration";
+  case LoadKind::Pressure:
+    return "pressure";
+  case LoadKind::TotalForce:
+    return "total force";
+  case LoadKind::Remote:
+    return "force and moment";
+  case LoadKind::Bearing:
+    return "bearing";
+  case LoadKind::Line:
+    return "line";
+  case LoadKind::Point:
+    return "point";
+  default:
+    return "traction";
+  }
+}
+
+std::vector<std::string> region_warnings(std::span<const LoadReport> loads) {
+  std::vector<std::string> all;
+  for (const LoadReport& load : loads) {
+    const auto warnings = region_warnings(load.region, fmt::format("load '{}'", load.name));
+    all.insert(all.end(), warnings.begin(), warnings.end());
+  }
+  return all;
 }
 
 } // namespace iga::solve

@@ -1,6 +1,8 @@
-// Loads of a static analysis: body forces, tractions and pressure on regions, forces at points.
+// Loads of a static analysis: body forces, tractions, pressure, forces and moments on regions, forces along lines and
+// at points.
 #pragma once
 
+#include "solver/space/places.hpp"
 #include "solver/space/solution_space.hpp"
 #include "solver/space/surface_region.hpp"
 
@@ -14,16 +16,24 @@ enum class LoadKind {
   Traction,     ///< vector: force/length² on a region
   Pressure,     ///< pressure p: traction -p n on a region
   TotalForce,   ///< vector: force, spread evenly over a region
-  Point,        ///< vector: force at a position
+  Remote,       ///< vector and moment: force and moment on a region, the force acting at `remote`
+  Bearing,      ///< vector: force of a pin in a bore, or of a bore on a shaft
+  Line,         ///< vector: force, spread evenly along a line
+  Point,        ///< vector: force at a point
 };
+const char* name_of(LoadKind kind);
 
 struct Load {
   std::string name;
+  std::string body; ///< that it acts on; empty: the only one that has such a surface or place, body forces: all
   LoadKind kind = LoadKind::Traction;
   RegionChoice region;
-  Point3 vector{};     ///< in `frame`
-  double pressure = 0; ///< force/length², positive presses on the part
-  Point3 position{};   ///< length, the part's frame
+  PlaceChoice place;            ///< of Line and Point
+  Point3 vector{};              ///< in `frame`
+  double pressure = 0;          ///< force/length², positive presses on the part
+  Point3 moment{};              ///< force · length, in `frame`
+  std::optional<Point3> remote; ///< length, the part's frame; without it the force acts at the region's centroid
+  bool rigid = false;           ///< the region moves as a rigid body (static analyses)
   Rotation frame = identity_rotation;
 };
 
@@ -34,6 +44,8 @@ struct LoadReport {
   Point3 force{};      ///< resultant, the part's frame
   Point3 moment{};     ///< about the origin
 };
+/// Warnings about what loads act on.
+std::vector<std::string> region_warnings(std::span<const LoadReport> loads);
 
 struct LoadTerms {
   Eigen::VectorXd load; ///< (num_unknowns)

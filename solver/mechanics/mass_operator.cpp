@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -210,16 +211,37 @@ SparedMasses spare_masses(const SolutionSpace& space, double density) {
   return spared;
 }
 
+namespace {
+
+SparedMasses spare_masses(const BodySystem& system) {
+  SparedMasses all;
+  all.masses.resize(system.num_nodes());
+  for (const SystemBody& body : system) {
+    const SparedMasses spared = spare_masses(*body.space, body.material.density);
+    all.masses.segment(body.first_node, spared.masses.size()) = spared.masses;
+    all.moved += spared.moved;
+  }
+  return all;
+}
+
+} // namespace
+
 MassOperator make_mass(MassType type, const SolutionSpace& space,
                        const std::shared_ptr<const Connectivity>& connectivity, double density) {
+  return make_mass(type, BodySystem(space, {.density = density}), connectivity);
+}
+
+MassOperator make_mass(MassType type, const BodySystem& system,
+                       const std::shared_ptr<const Connectivity>& connectivity) {
   if (type == MassType::Lumped) {
-    SparedMasses spared = spare_masses(space, density);
+    SparedMasses spared = spare_masses(system);
     return MassOperator::lumped(std::move(spared.masses), spared.moved);
   }
-  MassMatrix M = assemble_mass(space, connectivity, density);
+  MassMatrix M = assemble_mass(system, connectivity);
   if (type == MassType::Consistent) return MassOperator::consistent(std::move(M));
   MassOperator mass = MassOperator::multi_pass(std::move(M), type == MassType::TwoPass ? 2 : 3);
-  if (type == MassType::TwoPass && space.is_extended()) {
+  const bool extended = std::any_of(system.begin(), system.end(), [](const auto& b) { return b.space->is_extended(); });
+  if (type == MassType::TwoPass && extended) {
     // Lanczos comes from below; 1 % is ten times its tolerance.
     const double ratio = 1.01 * largest_mass_ratio(*mass.matrix(), *mass.masses());
     if (ratio >= 2)
@@ -227,7 +249,7 @@ MassOperator make_mass(MassType type, const SolutionSpace& space,
           fmt::format("the two-pass mass is not positive definite here: the largest eigenvalue of the "
                       "consistent mass over the lumped one is {:.3g}, at most 2 is allowed; lower "
                       "--light-threshold (now {:g}; 0.01 has proved safe), or use --mass three-pass or lumped",
-                      ratio, space.treatment().threshold));
+                      ratio, system[0].space->treatment().threshold));
   }
   return mass;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "solver/linalg/linear_solver.hpp"
+#include "solver/mechanics/body_system.hpp"
 #include "solver/mechanics/mass_type.hpp"
 
 namespace iga::solve {
@@ -69,6 +70,9 @@ Eigen::MatrixXd columns_of(const MassOperator& M, const Eigen::MatrixXd& X);
 
 /// The mass of a run.
 /// @throws InputError for two passes on an extended space whose M_L⁻¹ M_C reaches 2
+MassOperator make_mass(MassType type, const BodySystem& system,
+                       const std::shared_ptr<const Connectivity>& connectivity);
+/// The same of one body.
 MassOperator make_mass(MassType type, const SolutionSpace& space,
                        const std::shared_ptr<const Connectivity>& connectivity, double density);
 

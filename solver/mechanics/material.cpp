@@ -115,6 +115,20 @@ VoigtMatrix voigt_matrix(const std::vector<double>& entries) {
   return matrix;
 }
 
+// C'_ijkl = R_ia R_jb R_kc R_ld C_abcd = T C Tᵀ, where T turns a stress: σ'_ij = R_ia R_jb σ_ab.
+ElasticMaterial turned(const ElasticMaterial& material, const Rotation& R) {
+  if (R == identity_rotation) return material;
+  VoigtMatrix T = VoigtMatrix::Zero();
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = i; j < 3; ++j)
+      for (std::size_t a = 0; a < 3; ++a)
+        for (std::size_t b = 0; b < 3; ++b) T(voigt_place[i][j], voigt_place[a][b]) += R[i][a] * R[j][b];
+  ElasticMaterial m = material;
+  m.C = T * material.C * T.transpose();
+  m.C = (0.5 * (m.C + m.C.transpose())).eval();
+  return m;
+}
+
 double von_mises(const Voigt& s) {
   const double a = s[0] - s[1], b = s[1] - s[2], c = s[2] - s[0];
   return std::sqrt((a * a + b * b + c * c) / 2 + 3 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]));

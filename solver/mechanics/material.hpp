@@ -1,6 +1,8 @@
 // Linear elastic materials, small strain.
 #pragma once
 
+#include "format/model/spline_grid.hpp"
+
 #include <Eigen/Core>
 
 #include <vector>
@@ -33,6 +35,9 @@ ElasticMaterial anisotropic(const VoigtMatrix& C, double density);
 
 /// The matrix of 21 entries (upper triangle by rows) or 36 (by rows) of a run file.
 VoigtMatrix voigt_matrix(const std::vector<double>& entries);
+
+/// The material of a body that was turned: x → R x.
+ElasticMaterial turned(const ElasticMaterial& material, const Rotation& R);
 
 double von_mises(const Voigt& stress);
 

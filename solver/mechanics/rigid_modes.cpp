@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 
@@ -98,15 +99,15 @@ Bodies separate_bodies(const SolutionSpace& space) {
   return joined.bodies();
 }
 
-MatrixXd rigid_motions(const SolutionSpace& space, const Bodies& bodies) {
-  const auto points = space.node_points();
+MatrixXd rigid_motions(const BodySystem& system, const Bodies& bodies) {
+  const auto points = system.node_points();
   Eigen::Matrix<double, Eigen::Dynamic, 3> middle = Eigen::Matrix<double, Eigen::Dynamic, 3>::Zero(bodies.count, 3);
   VectorXd nodes = VectorXd::Zero(bodies.count);
   for (Index i = 0; i < points.rows(); ++i) {
     middle.row(bodies.of_node[static_cast<std::size_t>(i)]) += points.row(i);
     nodes[bodies.of_node[static_cast<std::size_t>(i)]] += 1;
   }
-  MatrixXd motions = MatrixXd::Zero(space.num_unknowns(), 6 * bodies.count);
+  MatrixXd motions = MatrixXd::Zero(system.num_unknowns(), 6 * bodies.count);
   for (Index i = 0; i < points.rows(); ++i) {
     const Index body = bodies.of_node[static_cast<std::size_t>(i)];
     const Eigen::Vector3d arm = (points.row(i) - middle.row(body) / nodes[body]).transpose();
@@ -118,10 +119,12 @@ MatrixXd rigid_motions(const SolutionSpace& space, const Bodies& bodies) {
   return motions;
 }
 
-double lambda_scale(const SolutionSpace& space, const ElasticMaterial& material) {
-  const auto points = space.node_points();
+double lambda_scale(const BodySystem& system) {
+  const auto points = system.node_points();
   const double diagonal = (points.colwise().maxCoeff() - points.colwise().minCoeff()).norm();
-  return std::pow(std::numbers::pi * material.slowest_wave() / diagonal, 2);
+  double slowest = std::numeric_limits<double>::infinity();
+  for (const SystemBody& body : system) slowest = std::min(slowest, body.material.slowest_wave());
+  return std::pow(std::numbers::pi * slowest / diagonal, 2);
 }
 
 FreeMotions free_motions(const StiffnessMatrix& K, const MassOperator& M, const ConstraintMatrix* constraints,

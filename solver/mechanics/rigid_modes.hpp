@@ -2,11 +2,10 @@
 #pragma once
 
 #include "solver/mechanics/mass_operator.hpp"
-#include "solver/mechanics/material.hpp"
 
 namespace iga::solve {
 
-/// Number of mechanically separate bodies and the body of each node: nodes that share a span are connected.
+/// Number of mechanically separate bodies and the body of each node: nodes that share a span or are tied are connected.
 struct Bodies {
   std::int64_t count = 0;
   std::vector<std::int32_t> of_node; ///< (num_nodes), numbered by their first node
@@ -16,10 +15,11 @@ Bodies separate_bodies(const SolutionSpace& space);
 
 /// Six columns per body: translations along and rotations about the axes through the middle of its nodes.
 /// (num_unknowns × 6 bodies)
-Eigen::MatrixXd rigid_motions(const SolutionSpace& space, const Bodies& bodies);
+Eigen::MatrixXd rigid_motions(const BodySystem& system, const Bodies& bodies);
 
-/// ω² of the size of a part's first elastic ones: (π c / L)², slowest wave over the diagonal of its nodes' box.
-double lambda_scale(const SolutionSpace& space, const ElasticMaterial& material);
+/// ω² of the size of a part's first elastic ones: (π c / L)², slowest wave of all bodies over the diagonal of their
+/// nodes' box.
+double lambda_scale(const BodySystem& system);
 
 /// Combinations of `motions` that are free: no stiffness resists them and no constraint forbids them.
 struct FreeMotions {

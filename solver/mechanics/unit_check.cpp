@@ -69,7 +69,9 @@ bool is_solid(double E, double rho) {
          (rho <= dense || E >= dense_modulus) && (rho >= light || c <= light_speed);
 }
 
-std::string_view common_name(std::string_view label) {
+} // namespace
+
+std::string_view common_length_name(std::string_view label) {
   constexpr std::array<std::pair<std::string_view, std::string_view>, 19> others{{{"millimetre", "mm"},
                                                                                   {"millimeter", "mm"},
                                                                                   {"MM", "mm"},
@@ -93,6 +95,8 @@ std::string_view common_name(std::string_view label) {
     if (label == name) return common;
   return label;
 }
+
+namespace {
 
 struct Solid {
   double E, rho; // Pa, kg/m³
@@ -153,7 +157,7 @@ double modulus_of(const ElasticMaterial& material) {
 std::optional<std::string> unit_warning(std::string_view length_unit, double E, double rho) {
   std::vector<const UnitSet*> sets;
   for (const UnitSet& set : unit_sets)
-    if (common_name(length_unit) == set.length) sets.push_back(&set);
+    if (common_length_name(length_unit) == set.length) sets.push_back(&set);
   if (sets.empty() || std::any_of(sets.begin(), sets.end(), [&](const UnitSet* set) {
         return is_solid(E * set->pascal(), rho * set->density());
       }))

@@ -10,6 +10,9 @@
 
 namespace iga::solve {
 
+/// "mm" for "millimetre", "MM", …; other labels as they are.
+std::string_view common_length_name(std::string_view label);
+
 /// Young's modulus; of anisotropic materials the geometric mean along x, y and z. Force/length².
 double modulus_of(const ElasticMaterial& material);
 

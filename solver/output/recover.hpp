@@ -20,7 +20,8 @@ double strain_energy(const TrimmedModel& model, const FieldSamples& fields);
 
 struct Probe {
   std::string name;
-  Point3 position{}; ///< length, the part's frame
+  Point3 position{};     ///< length, the part's frame
+  std::string body = {}; ///< that it lies in; empty: the only one that holds the position
 };
 
 /// Cells of probes, found before anything is computed. @throws InputError naming a probe outside the part or in a gap

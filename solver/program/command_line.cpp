@@ -15,6 +15,7 @@ const char* const footer = R"(Examples:
   igasolve info part.h5                                  what a model file holds
   igasolve check part.h5                                 everything that is wrong with a model file
   igasolve eigen part.h5 --E 210 --nu 0.3 --rho 7.8e-6 --modes 10 -o modes.h5
+  igasolve eigen part.h5 --material steel --modes 10      the same; the model's length unit must be mm or m
   igasolve eigen part.h5 --E 210 --nu 0.3 --rho 7.8e-6 --largest --mass lumped
   igasolve timestep part.h5 --E 210 --nu 0.3 --rho 7.8e-6
   igasolve static run.toml -o static.h5
@@ -28,8 +29,11 @@ memory is exit code 2 and says so.)";
 
 const char* const analysis_footer =
     R"(Any consistent set of units: E in force/length², rho in mass/length³, frequencies in cycles per time. The run file
-(.toml) holds the flags' names with underscores: model, output, units, mass, light_functions, light_threshold;
-[material] E, nu, rho or C; [eigen] modes, largest, sturm; [results] subdivide, viewer; [[support]], [[load]], [[probe]].
+(.toml) holds the flags' names with underscores: model, output, units, unit_system, material, materials, mass,
+light_functions, light_threshold; [material] name, E, nu, rho or C; [eigen] modes, largest, sturm; [results] subdivide,
+viewer; [[support]], [[load]], [[probe]].
+Several bodies, instead of model: [[bodies]] name, model, material, place, light_functions, light_threshold; [[ties]] name,
+bodies, first, second, tolerance, method, penalty_factor join their surfaces; supports, loads and probes say their body.
 Paths in it are relative to its folder; flags override it.)";
 
 const char* const explicit_footer =
@@ -84,9 +88,19 @@ CLI::App* add_analysis(CLI::App& app, const char* name, const char* what, Raw& r
   sub->add_option("--units", t.units, "Length unit; refused where the model's label differs");
 
   const std::string material = "Material";
-  sub->add_option("--E", t.E, "Young's modulus, force/length²")->group(material);
-  sub->add_option("--nu", t.nu, "Poisson's ratio")->group(material);
-  sub->add_option("--rho", t.rho, "Density, mass/length³")->group(material);
+  sub->add_option("--material", t.material.name, "Material by name, such as steel; an unknown name lists all")
+      ->type_name("NAME")
+      ->group(material);
+  sub->add_option("--unit-system", t.unit_system,
+                  "Units of its numbers: t-mm-s, kg-mm-ms or SI [by the model's length unit]")
+      ->type_name("UNITS")
+      ->group(material);
+  sub->add_option("--materials", t.materials, "Table of materials of your own (.toml)")
+      ->type_name("FILE")
+      ->group(material);
+  sub->add_option("--E", t.material.E, "Young's modulus, force/length²")->group(material);
+  sub->add_option("--nu", t.material.nu, "Poisson's ratio")->group(material);
+  sub->add_option("--rho", t.material.rho, "Density, mass/length³")->group(material);
 
   const std::string method = "Method";
   sub->add_option("--light-functions", t.light_functions,

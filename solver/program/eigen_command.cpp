@@ -3,7 +3,6 @@
 #include "solver/analysis/eigen_analysis.hpp"
 #include "solver/analysis/timestep_analysis.hpp"
 #include "solver/mechanics/largest_eigenvalue.hpp"
-#include "solver/output/surface_output.hpp"
 #include "solver/report/analysis_report.hpp"
 
 #include <numbers>
@@ -26,11 +25,9 @@ double frequency(const ModeSet& modes, Eigen::Index m) {
 }
 
 Results mode_results(const AnalysisRun& run, const EigenOutcome& outcome) {
-  const SolutionSpace& space = *outcome.space;
+  const BodySystem& system = outcome.system;
   const ModeSet& modes = outcome.modes;
-  Results results;
-  results.header = results_header(run, "eigen", space);
-  results.active_functions = run.model.functions.number;
+  Results results = results_head(run, "eigen", system);
   EigenResult eigen;
   eigen.mass = solve::name_of(run.settings.mass);
   if (modes.sturm && modes.sturm->shift > 0) eigen.complete_below = std::sqrt(modes.sturm->shift) / two_pi;
@@ -43,13 +40,14 @@ Results mode_results(const AnalysisRun& run, const EigenOutcome& outcome) {
     eigen.kind.push_back(kind == ModeKind::Rigid       ? EigenResult::Rigid
                          : kind == ModeKind::Mechanism ? EigenResult::Mechanism
                                                        : EigenResult::Elastic);
-    const Eigen::VectorXd all = space.expand(modes.vectors.col(m));
-    eigen.modes.insert(eigen.modes.end(), all.data(), all.data() + all.size());
+    if (system.size() == 1) {
+      const Eigen::VectorXd all = system[0].space->expand(modes.vectors.col(m));
+      eigen.modes.insert(eigen.modes.end(), all.data(), all.data() + all.size());
+    }
     steps.push_back(static_cast<double>(m + 1));
   }
   results.eigen = std::move(eigen);
-  results.surface = sample_surface(space, run.settings.material, subdivide_surface(run.model, run.settings.subdivide),
-                                   modes.vectors, std::move(steps), Fields::VonMises);
+  add_fields(run, system, modes.vectors, steps, Fields::VonMises, results);
   return results;
 }
 
@@ -63,8 +61,9 @@ io::JsonObject json_of(const SturmCount& count) {
 std::string modes_text(const AnalysisRun& run, const EigenOutcome& outcome) {
   const ModeSet& modes = outcome.modes;
   TextReport report;
-  add_model(report, run, *outcome.space);
+  add_models(report, run, outcome.system);
   add_regions(report, outcome.regions);
+  add_ties(report, outcome.ties);
   report.line("mass", "{:.8g} ({}); {} {}", outcome.mass, solve::name_of(run.settings.mass), outcome.bodies,
               outcome.bodies == 1 ? "body" : "separate bodies");
   report.line("modes", "{} rigid, {} elastic{}", modes.rigid, modes.elastic,
@@ -93,9 +92,10 @@ std::string modes_json(const AnalysisRun& run, const EigenOutcome& outcome) {
     omega_squared.push_back(modes.lambda[m]);
   }
   io::JsonObject report, factor;
-  add_model(report, run, *outcome.space);
+  add_models(report, run, outcome.system);
   report.add("mass_type", solve::name_of(run.settings.mass)).add("mass", outcome.mass).add("bodies", outcome.bodies);
   report.add("supports", json_of(outcome.regions)).add("constraints", outcome.constraints);
+  if (!outcome.ties.empty()) report.add("ties", json_of(outcome.ties));
   report.add("rigid_modes", modes.rigid).add("mechanisms", modes.mechanisms).add("elastic_modes", modes.elastic);
   report.add("frequencies", frequencies).add("omega_squared", omega_squared).add("residuals", residuals);
   if (modes.sturm) report.add("sturm", json_of(*modes.sturm));
@@ -107,24 +107,26 @@ std::string modes_json(const AnalysisRun& run, const EigenOutcome& outcome) {
 
 std::string largest_text(const AnalysisRun& run, const EigenOutcome& outcome) {
   TextReport report;
-  add_model(report, run, *outcome.space);
+  add_models(report, run, outcome.system);
   add_regions(report, outcome.regions);
+  add_ties(report, outcome.ties);
   report.line("mass", "{:.8g} ({})", outcome.mass, solve::name_of(run.settings.mass));
   report.line("omega_max", "{:.9g} rad/time (residual {:.1e}), frequency {:.9g}", outcome.omega_max,
               outcome.omega_max_residual, outcome.omega_max / two_pi);
   report.line("dt_crit", "{:.9g} = 2 / omega_max", 2 / outcome.omega_max);
   if (outcome.element)
-    report.line("bound", "{:.9g} rad/time from the spans alone (set by span {})", outcome.element->omega,
-                outcome.element->span);
+    report.line("bound", "{:.9g} rad/time from the spans alone (set by span {}{})", outcome.element->omega,
+                outcome.element->span, of_body(outcome.system, outcome.element->body));
   add_end(report, run);
   return report.text();
 }
 
 std::string largest_json(const AnalysisRun& run, const EigenOutcome& outcome) {
   io::JsonObject report;
-  add_model(report, run, *outcome.space);
+  add_models(report, run, outcome.system);
   report.add("mass_type", solve::name_of(run.settings.mass)).add("mass", outcome.mass);
   report.add("supports", json_of(outcome.regions));
+  if (!outcome.ties.empty()) report.add("ties", json_of(outcome.ties));
   report.add("omega_max", outcome.omega_max).add("residual", outcome.omega_max_residual);
   report.add("omega_max_bound", omega_safety * outcome.omega_max).add("dt_crit", 2 / outcome.omega_max);
   if (outcome.element) report.add("omega_spans", outcome.element->omega).add("bound_span", outcome.element->span);
@@ -134,22 +136,25 @@ std::string largest_json(const AnalysisRun& run, const EigenOutcome& outcome) {
 
 std::string timestep_text(const AnalysisRun& run, const TimestepOutcome& t) {
   TextReport report;
-  add_model(report, run, *t.space);
+  add_models(report, run, t.system);
   add_regions(report, t.regions);
+  add_ties(report, t.ties);
   report.line("mass", "{:.8g} ({})", t.mass, solve::name_of(run.settings.mass));
   report.line("omega_max", "{:.6g} rad/time by Lanczos to 1e-3 ({} products)", t.omega_max, t.products);
   report.line("dt_crit", "{:.6g} = 2 / omega_max", t.dt_crit);
   report.line("dt_safe", "{:.6g} with 1 % on omega_max; explicit runs take 0.9 of it", t.dt_safe);
   if (t.element)
-    report.line("dt_spans", "{:.6g} from the spans alone (a bound; set by span {})", t.dt_element, t.element->span);
+    report.line("dt_spans", "{:.6g} from the spans alone (a bound; set by span {}{})", t.dt_element, t.element->span,
+                of_body(t.system, t.element->body));
   add_end(report, run);
   return report.text();
 }
 
 std::string timestep_json(const AnalysisRun& run, const TimestepOutcome& t) {
   io::JsonObject report;
-  add_model(report, run, *t.space);
+  add_models(report, run, t.system);
   report.add("mass_type", solve::name_of(run.settings.mass)).add("mass", t.mass).add("supports", json_of(t.regions));
+  if (!t.ties.empty()) report.add("ties", json_of(t.ties));
   report.add("omega_max", t.omega_max).add("omega_max_bound", t.omega_max_bound);
   report.add("dt_crit", t.dt_crit).add("dt_safe", t.dt_safe).add("products", t.products);
   if (t.element)
@@ -166,10 +171,13 @@ void take(AnalysisRun& run, const Timings& timings, const std::vector<std::strin
 } // namespace
 
 int eigen_command(AnalysisRun& run) {
-  const EigenOutcome outcome = analyse_modes(run.settings, run.settings.eigen, run.model);
+  const EigenOutcome outcome = analyse_modes(run.settings, run.settings.eigen, run.models);
   take(run, outcome.timings, outcome.warnings);
-  warn_of_joined_bodies(run, *outcome.space);
-  if (!run.settings.output.empty() && !run.settings.eigen.largest) write_outputs(run, mode_results(run, outcome));
+  warn_of_joined_bodies(run, outcome.system);
+  if (!run.settings.output.empty() && !run.settings.eigen.largest) {
+    Results results = mode_results(run, outcome);
+    write_outputs(run, results);
+  }
   const bool json = run.command.style == ReportStyle::Json;
   if (run.settings.eigen.largest)
     print_report(run, json ? largest_json(run, outcome) : largest_text(run, outcome));
@@ -179,9 +187,9 @@ int eigen_command(AnalysisRun& run) {
 }
 
 int timestep_command(AnalysisRun& run) {
-  const TimestepOutcome outcome = analyse_timestep(run.settings, run.model);
+  const TimestepOutcome outcome = analyse_timestep(run.settings, run.models);
   take(run, outcome.timings, outcome.warnings);
-  warn_of_joined_bodies(run, *outcome.space);
+  warn_of_joined_bodies(run, outcome.system);
   print_report(run, run.command.style == ReportStyle::Json ? timestep_json(run, outcome) : timestep_text(run, outcome));
   return io::exit_done;
 }

@@ -1,5 +1,6 @@
 #include "solver/program/explicit_command.hpp"
 
+#include "format/io/field_files.hpp"
 #include "format/io/interrupt.hpp"
 #include "format/io/output_claim.hpp"
 #include "format/io/results_io.hpp"
@@ -45,7 +46,7 @@ void check_targets(const ExplicitCommand& command, const ExplicitRun& run, const
 
 io::OutputClaim claim_outputs(const ExplicitCommand& command, const ExplicitRun& run,
                               const std::filesystem::path& output) {
-  io::OutputPlan plan{{output, restart_path(output)}, {fields_folder(output)}};
+  io::OutputPlan plan{{output, restart_path(output)}, {io::fields_folder(output)}};
   if (run.out.viewer) {
     plan.files.push_back(io::viewer_index(output));
     plan.folders.push_back(io::viewer_folder(output));

@@ -1,4 +1,5 @@
 // Runs an analysis from settings to report.
+#include "format/io/field_files.hpp"
 #include "format/io/output_claim.hpp"
 #include "format/io/progress.hpp"
 #include "format/io/results_io.hpp"
@@ -18,11 +19,31 @@ namespace iga::solve {
 
 namespace {
 
-void check_units(const RunSettings& run, const TrimmedModel& model) {
-  if (run.units && *run.units != model.length_unit)
+void check_units(const AnalysisRun& run, std::size_t b) {
+  const std::filesystem::path& file = run.bodies[b].file.model;
+  const std::string &unit = run.models[b].length_unit, &first = run.models[0].length_unit;
+  if (const auto& asked = run.settings.units; asked && *asked != unit)
     throw InputError(fmt::format("{}: its length unit is \"{}\", but the run says \"{}\"; convert the material and the "
                                  "loads, or make the model with igaprep --length-unit {}",
-                                 run.model.string(), model.length_unit, *run.units, *run.units));
+                                 file.string(), unit, *asked, *asked));
+  if (unit != first)
+    throw InputError(
+        fmt::format("{}: its length unit is \"{}\", but that of {} is \"{}\"; make the models with the same "
+                    "igaprep --length-unit",
+                    file.string(), unit, run.bodies[0].file.model.string(), first));
+}
+
+// The models of all bodies, in their places.
+void read_models(AnalysisRun& run) {
+  for (std::size_t b = 0; b < run.bodies.size(); ++b) {
+    const RunBody& body = run.bodies[b];
+    TrimmedModel model = io::read_model(body.file.model);
+    const bool moved = !(body.file.place == Placement{});
+    run.models.push_back(moved ? placed(std::move(model), body.file.place) : std::move(model));
+    check_units(run, b);
+    warn(run, prefixed(body.file.model.filename().string(),
+                       model_warnings(run.models[b], body.has_density ? &body.material : nullptr)));
+  }
 }
 
 // Before hours of work. Nothing where no results are written.
@@ -33,7 +54,9 @@ std::unique_ptr<io::OutputClaim> claim_outputs(const RunSettings& run, const Ana
     plan.files.push_back(io::viewer_index(run.output));
     plan.folders.push_back(io::viewer_folder(run.output));
   }
-  std::vector<std::filesystem::path> inputs{run.model};
+  if (run.bodies.size() > 1) plan.folders.push_back(io::fields_folder(run.output));
+  std::vector<std::filesystem::path> inputs;
+  for (const RunBody& body : bodies_of(run)) inputs.push_back(body.file.model);
   if (!command.run_file.empty()) inputs.push_back(command.run_file);
   io::refuse_replaced_inputs(plan, inputs);
   io::check_results_target(run.output, command.force);
@@ -44,19 +67,17 @@ std::unique_ptr<io::OutputClaim> claim_outputs(const RunSettings& run, const Ana
 } // namespace
 
 int run_analysis(const AnalysisCommand& command) {
-  AnalysisRun run{command, validate_run(command.typed, command.analysis), {}, {}, {}};
+  AnalysisRun run{command, validate_run(complete_materials(command.typed), command.analysis), {}, {}, {}, {}};
+  run.bodies = bodies_of(run.settings);
   std::optional<tbb::global_control> threads;
   if (command.threads)
     threads.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(*command.threads));
   const auto claim = claim_outputs(run.settings, command);
   {
     Stopwatch watch(run.timings);
-    run.model = io::read_model(run.settings.model);
+    read_models(run);
     watch.stage("read");
   }
-  check_units(run.settings, run.model);
-  warn(run, prefixed(run.settings.model.filename().string(),
-                     model_warnings(run.model, command.typed.rho ? &run.settings.material : nullptr)));
   io::Progress progress(io::progress_style(command.style == ReportStyle::Quiet));
   run.settings.progress = &progress;
   return run_interruptibly([&] {

@@ -4,6 +4,7 @@
 #include "format/io/json_text.hpp"
 #include "format/model/results.hpp"
 #include "solver/analysis/run_settings.hpp"
+#include "solver/output/surface_output.hpp"
 #include "solver/report/analysis_command.hpp"
 
 #include <fmt/format.h>
@@ -13,19 +14,20 @@ namespace iga::solve {
 
 using Timings = std::vector<std::pair<std::string, double>>;
 
-/// An analysis on its way: settings, model, what took how long, what the user should know.
+/// An analysis on its way: settings, models, what took how long, what the user should know.
 struct AnalysisRun {
   const AnalysisCommand& command;
   RunSettings settings;
-  TrimmedModel model;
+  std::vector<RunBody> bodies;      ///< of the settings
+  std::vector<TrimmedModel> models; ///< of the bodies, in their places
   Timings timings;
   std::vector<std::string> warnings; ///< already on stderr; the report repeats them
 };
 
 /// Prints the warnings to stderr at once (unless quiet) and keeps them for report and results file.
 void warn(AnalysisRun& run, const std::vector<std::string>& warnings);
-/// Warns where the model joins bodies that the surface has apart.
-void warn_of_joined_bodies(AnalysisRun& run, const SolutionSpace& space);
+/// Warns where a model joins bodies that the surface has apart.
+void warn_of_joined_bodies(AnalysisRun& run, const BodySystem& system);
 
 /// Text report: one line per key; further lines of a text are indented.
 class TextReport {
@@ -51,20 +53,31 @@ class TextReport {
 /// Of this process so far, MiB.
 double peak_memory_mib();
 
-/// Model, spans, points, unknowns, light functions.
-void add_model(TextReport& report, const AnalysisRun& run, const SolutionSpace& space);
-void add_model(io::JsonObject& report, const AnalysisRun& run, const SolutionSpace& space);
+/// Models, spans, points, unknowns, light functions.
+void add_models(TextReport& report, const AnalysisRun& run, const BodySystem& system);
+void add_models(io::JsonObject& report, const AnalysisRun& run, const BodySystem& system);
 /// Regions of supports: area and centroid of what was chosen.
 void add_regions(TextReport& report, const std::vector<RegionReport>& regions);
 std::vector<io::JsonObject> json_of(const std::vector<RegionReport>& regions);
+/// Ties: area tied and largest gap. Nothing where there is none.
+void add_ties(TextReport& report, const std::vector<TieReport>& ties);
+std::vector<io::JsonObject> json_of(const std::vector<TieReport>& ties);
+/// " of body 'a'"; nothing where there is one body.
+std::string of_body(const BodySystem& system, std::size_t body);
 /// Results file, timings, peak memory, findings of the model, warnings: the end of every report.
 void add_end(TextReport& report, const AnalysisRun& run);
 void add_end(io::JsonObject& report, const AnalysisRun& run);
 
-/// The head of a results file. Reads the model file once more for its checksum.
-ResultsHeader results_header(const AnalysisRun& run, const char* analysis, const SolutionSpace& space);
-/// Writes the results file and, if asked for, the viewer files beside it. @throws InputError
-void write_outputs(const AnalysisRun& run, const Results& results);
+/// The head of a results file, and where there are several bodies their list. Reads the model files once more for their
+/// checksums.
+Results results_head(const AnalysisRun& run, const char* analysis, const BodySystem& system);
+/// Adds the fields of all bodies: to the results themselves where there is one, else to `parts`.
+/// @param unknowns  (num_unknowns of the system × steps)
+void add_fields(const AnalysisRun& run, const BodySystem& system, const Eigen::Ref<const Eigen::MatrixXd>& unknowns,
+                const std::vector<double>& steps, Fields fields, Results& results);
+/// Writes the results file, the field files of several bodies and, if asked for, the viewer files beside it.
+/// @throws InputError
+void write_outputs(const AnalysisRun& run, Results& results);
 
 /// Prints the report to stdout unless quiet.
 void print_report(const AnalysisRun& run, const std::string& report);

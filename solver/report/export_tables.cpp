@@ -152,7 +152,8 @@ void visit_field_files(const std::filesystem::path& file, const Results& results
           std::find_if(meshes.begin(), meshes.end(), [&](const auto& m) { return m.name == fields.name; });
       const TriangleMesh& mesh = body->surface.mesh;
       CsvTable table(fmt::format("surface_{}_{:04d}", fields.name, step + 1), mesh.vertices.size());
-      table.add("time [time]", [&index, step](std::size_t) { return fmt::format("{}", index.times[step]); });
+      table.add(results.time_series ? "time [time]" : "step",
+                [&index, step](std::size_t) { return fmt::format("{}", index.times[step]); });
       add_vertices(table, units, mesh);
       table.numbers("displacement", units("length"), fields.displacement, xyz);
       table.numbers("von_mises", units("force/length^2"), fields.von_mises).numbers("strain", "1", fields.strain);

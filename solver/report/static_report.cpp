@@ -1,6 +1,7 @@
 #include "solver/report/static_report.hpp"
 
 #include "format/model/vec3.hpp"
+#include "solver/report/analysis_report.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -35,60 +36,134 @@ std::vector<double> slice(const std::vector<double>& values, std::size_t k, std:
   return {first, first + static_cast<std::ptrdiff_t>(width)};
 }
 
+std::string size_of(const RegionReport& region, const Point3& centroid) {
+  if (region.extent == Extent::Line) return fmt::format("length {:.6g}, centroid {}", region.length, text(centroid));
+  return region.area > 0 ? fmt::format("area {:.6g}, centroid {}", region.area, text(centroid))
+                         : fmt::format("acts about {}", text(centroid));
+}
+
+JsonObject json_of(const RigidMotion& motion) {
+  return JsonObject().add("at", motion.at).add("displacement", motion.displacement).add("rotation", motion.rotation);
+}
+
+// A body's name, where it has to be said.
+std::string on(const std::string& body) {
+  return body.empty() ? "" : fmt::format(" on '{}'", body);
+}
+
+JsonObject named(const std::string& name, const std::string& body) {
+  JsonObject object;
+  object.add("name", name);
+  if (!body.empty()) object.add("body", body);
+  return object;
+}
+
+void add_largest(JsonObject& report, const std::string& name, const LargestValue& largest, const BodySystem& system) {
+  report.add(name, largest.value).add(name + "_at", largest.at);
+  if (system.size() > 1) report.add(name + "_body", system[largest.body].name);
+}
+
+std::vector<JsonObject> json_of_ties(const StaticSolution& s) {
+  std::vector<JsonObject> ties = json_of(s.ties);
+  for (std::size_t k = 0; k < ties.size(); ++k)
+    ties[k]
+        .add("force", s.tie_forces[k].force)
+        .add("moment_about_origin", s.tie_forces[k].moment)
+        .add("largest_jump", s.tie_forces[k].largest_jump);
+  return ties;
+}
+
 } // namespace
 
-std::string static_text(const StaticSolution& s) {
+std::string static_text(const StaticSolution& s, const BodySystem& system) {
   std::string out;
   const double unit = force_unit(s);
   const auto line = [&](const std::string& words) { out += words + "\n"; };
   line(fmt::format("system: {} constraints, factor {:.3g} MiB", s.num_constraints, s.cost.bytes / (1024.0 * 1024.0)));
-  for (const SupportResult& r : s.result.supports) {
-    line(fmt::format("support '{}' ({}): area {:.6g}, centroid {}", r.name, r.method, r.area, text(r.centroid)));
+  const auto note = [&](const RegionReport& region) {
+    if (!region.note.empty()) line("  " + region.note);
+  };
+  for (std::size_t k = 0; k < s.ties.size(); ++k) {
+    const TieReport& t = s.ties[k];
+    line(fmt::format("tie '{}' of '{}' and '{}': area {:.6g} of {:.6g} and {:.6g} chosen, largest gap {:.3g}", t.name,
+                     t.bodies[0], t.bodies[1], t.area, t.chosen[0], t.chosen[1], t.largest_gap));
+    line(fmt::format("  force on '{}' {}, largest jump of the displacement {:.3g}", t.bodies[0],
+                     text(s.tie_forces[k].force, unit), s.tie_forces[k].largest_jump));
+  }
+  for (std::size_t k = 0; k < s.result.supports.size(); ++k) {
+    const SupportResult& r = s.result.supports[k];
+    line(fmt::format("support '{}'{} ({}): {}", r.name, on(s.regions[k].body), r.method,
+                     size_of(s.regions[k], r.centroid)));
+    note(s.regions[k]);
     line(fmt::format("  reaction {}, moment about the centroid {}", text(r.force, unit), text(r.moment)));
   }
-  for (const LoadResult& r : s.result.loads) {
-    line(r.area > 0 ? fmt::format("load '{}' ({}): area {:.6g}, centroid {}", r.name, r.kind, r.area, text(r.centroid))
-                    : fmt::format("load '{}' ({}): acts about {}", r.name, r.kind, text(r.centroid)));
+  for (std::size_t k = 0; k < s.result.loads.size(); ++k) {
+    const LoadResult& r = s.result.loads[k];
+    line(fmt::format("load '{}'{} ({}): {}", r.name, on(s.loads[k].region.body), r.kind,
+                     size_of(s.loads[k].region, r.centroid)));
+    note(s.loads[k].region);
     line(fmt::format("  resultant {}, moment about it {}", text(r.force, unit), text(r.moment)));
+    for (const auto& [load, motion] : s.motions)
+      if (load == k)
+        line(fmt::format("  its region stays rigid: {} moves by {}, turns by {} rad", text(motion.at),
+                         text(motion.displacement), text(motion.rotation)));
   }
   line(fmt::format("balance of forces {}, relative residual {:.2g}", text(s.force_balance, unit), s.residual));
   const StaticResult& r = s.result;
-  line(fmt::format("strain energy {:.8g} + penalty energy of the supports {:.8g}", r.strain_energy, r.penalty_energy));
+  const char* const holders = s.ties.empty() ? "the supports" : "supports and ties";
+  line(fmt::format("strain energy {:.8g} + penalty energy of {} {:.8g}", r.strain_energy, holders, r.penalty_energy));
   line(fmt::format(
       "  = work of the loads {:.8g} + of the reactions on prescribed displacements {:.8g} + of the stress on "
-      "what the supports give way {:.8g}; off by {:.2g}",
-      r.external_work, r.support_work, r.gap_work, energy_defect(r)));
-  line(fmt::format("largest displacement {:.6g} at {}", s.largest_displacement, text(s.largest_displacement_at)));
-  line(fmt::format("largest von Mises stress {:.6g} at {}", s.largest_von_mises, text(s.largest_von_mises_at)));
+      "what {} give way {:.8g}; off by {:.2g}",
+      r.external_work, r.support_work, holders, r.gap_work, energy_defect(r)));
+  for (const auto& [what, largest] :
+       {std::pair{"displacement", &s.largest_displacement}, std::pair{"von Mises stress", &s.largest_von_mises}})
+    line(fmt::format("largest {} {:.6g} at {}{}", what, largest->value, text(largest->at),
+                     of_body(system, largest->body)));
+  const auto singular = [&](const std::string& body, const Point3& x) {
+    if (const auto place = singular_place_near(s, body, x))
+      line(
+          fmt::format("  no stress to rely on: within two spans of {}, where it has no limit as spans shrink", *place));
+  };
+  singular(system.name_among_several(s.largest_von_mises.body), s.largest_von_mises.at);
   const ProbeResult& p = s.result.probes;
   for (std::size_t k = 0; k < p.names.size(); ++k) {
-    line(fmt::format("probe '{}' at {}", p.names[k], text(point(p.positions, k))));
+    line(fmt::format("probe '{}'{} at {}", p.names[k], on(s.probe_bodies[k]), text(point(p.positions, k))));
     line(fmt::format("  displacement {}, von Mises {:.6g}", text(point(p.fields.displacement, k)),
                      p.fields.von_mises[k]));
     line(fmt::format("  stress xx yy zz xy yz zx: {:.6g}", fmt::join(slice(p.fields.stress, k, 6), "  ")));
+    singular(s.probe_bodies[k], point(p.positions, k));
   }
   return out;
 }
 
-JsonObject static_json(const StaticSolution& s) {
+JsonObject static_json(const StaticSolution& s, const BodySystem& system) {
   std::vector<JsonObject> supports, loads, probes;
-  for (const SupportResult& r : s.result.supports) {
-    supports.push_back({});
-    supports.back().add("name", r.name).add("method", r.method).add("area", r.area).add("centroid", r.centroid);
+  for (std::size_t k = 0; k < s.result.supports.size(); ++k) {
+    const SupportResult& r = s.result.supports[k];
+    supports.push_back(named(r.name, s.regions[k].body));
+    supports.back().add("method", r.method).add("area", r.area).add("centroid", r.centroid);
+    supports.back().add("length", s.regions[k].length).add("note", s.regions[k].note);
     supports.back().add("force", r.force).add("moment", r.moment);
   }
-  for (const LoadResult& r : s.result.loads) {
-    loads.push_back({});
-    loads.back().add("name", r.name).add("kind", r.kind).add("area", r.area).add("centroid", r.centroid);
+  for (std::size_t k = 0; k < s.result.loads.size(); ++k) {
+    const LoadResult& r = s.result.loads[k];
+    loads.push_back(named(r.name, s.loads[k].region.body));
+    loads.back().add("kind", r.kind).add("area", r.area).add("centroid", r.centroid);
+    loads.back().add("length", s.loads[k].region.length).add("note", s.loads[k].region.note);
     loads.back().add("force", r.force).add("moment", r.moment);
+    for (const auto& [load, motion] : s.motions)
+      if (load == k) loads.back().add("motion", json_of(motion));
   }
   const ProbeResult& p = s.result.probes;
   for (std::size_t k = 0; k < p.names.size(); ++k) {
-    probes.push_back({});
-    probes.back().add("name", p.names[k]).add("position", point(p.positions, k));
+    probes.push_back(named(p.names[k], s.probe_bodies[k]));
+    probes.back().add("position", point(p.positions, k));
     probes.back().add("displacement", point(p.fields.displacement, k));
     probes.back().add("strain", slice(p.fields.strain, k, 6)).add("stress", slice(p.fields.stress, k, 6));
     probes.back().add("von_mises", p.fields.von_mises[k]);
+    if (const auto place = singular_place_near(s, s.probe_bodies[k], point(p.positions, k)))
+      probes.back().add("no_limit_beside", *place);
   }
   JsonObject timings, report;
   for (const auto& [stage, seconds] : s.timings) timings.add(stage, seconds);
@@ -98,8 +173,12 @@ JsonObject static_json(const StaticSolution& s) {
   report.add("strain_energy", s.result.strain_energy).add("external_work", s.result.external_work);
   report.add("support_work", s.result.support_work).add("gap_work", s.result.gap_work);
   report.add("penalty_energy", s.result.penalty_energy).add("energy_defect", energy_defect(s.result));
-  report.add("largest_displacement", s.largest_displacement).add("largest_displacement_at", s.largest_displacement_at);
-  report.add("largest_von_mises", s.largest_von_mises).add("largest_von_mises_at", s.largest_von_mises_at);
+  add_largest(report, "largest_displacement", s.largest_displacement, system);
+  add_largest(report, "largest_von_mises", s.largest_von_mises, system);
+  if (const auto place =
+          singular_place_near(s, system.name_among_several(s.largest_von_mises.body), s.largest_von_mises.at))
+    report.add("no_limit_beside", *place);
+  if (!s.ties.empty()) report.add("ties", json_of_ties(s));
   report.add("factor_bytes", s.cost.bytes).add("timings", timings);
   return report;
 }

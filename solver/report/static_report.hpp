@@ -6,7 +6,8 @@
 
 namespace iga::solve {
 
-std::string static_text(const StaticSolution& solution);
-io::JsonObject static_json(const StaticSolution& solution);
+/// @param system  that was solved: bodies are named where there are several
+std::string static_text(const StaticSolution& solution, const BodySystem& system);
+io::JsonObject static_json(const StaticSolution& solution, const BodySystem& system);
 
 } // namespace iga::solve

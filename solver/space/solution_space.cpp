@@ -150,9 +150,7 @@ SolutionSpace::SolutionSpace(const TrimmedModel& model, const LightTreatment& tr
   }
 }
 
-namespace {
-
-// Gauss–Legendre rule with n points on [0, 1]: nodes in the first column, weights in the second. Golub & Welsch (1969).
+// Golub & Welsch (1969).
 Eigen::MatrixX2d gauss_rule(int n) {
   Eigen::MatrixXd jacobi = Eigen::MatrixXd::Zero(n, n);
   for (int k = 1; k < n; ++k) jacobi(k, k - 1) = jacobi(k - 1, k) = k / std::sqrt(4.0 * k * k - 1);
@@ -162,8 +160,6 @@ Eigen::MatrixX2d gauss_rule(int n) {
   rule.col(1) = eigen.vectors.row(0).array().square();
   return rule;
 }
-
-} // namespace
 
 namespace {
 

@@ -93,6 +93,9 @@ enum class Shapes { Values, Gradients, Both };
 void evaluate(const SolutionSpace& space, std::int64_t a, std::span<const double> parameters, Shapes what,
               SpanShapes& shapes);
 
+/// Gauss–Legendre rule with n points on [0, 1]: nodes in the first column, weights in the second.
+Eigen::MatrixX2d gauss_rule(int n);
+
 /// Quadrature points of one span; views into the model or into a SpanPointStorage.
 struct SpanPoints {
   std::span<const double> parameters; ///< (n × 3), row-major

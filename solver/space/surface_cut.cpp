@@ -17,11 +17,23 @@ constexpr double negligible_share = 1e-15;
 
 using Polygon = ConvexPolygon;
 
-Point3 area_vector(const Polygon& polygon) {
-  Point3 sum{};
-  for (std::size_t a = 1; a + 1 < polygon.size(); ++a)
-    sum = plus(sum, cross(minus(polygon[a], polygon[0]), minus(polygon[a + 1], polygon[0])));
-  return times(sum, 0.5);
+Polygon in_span_units(const SplineGrid& grid, const Polygon& polygon) {
+  const Point3 A = grid.A(), h = grid.span_size();
+  Polygon in_spans;
+  for (const Point3& x : polygon) {
+    Point3 xi = grid.to_parameter(x);
+    for (std::size_t d = 0; d < 3; ++d) xi[d] = (xi[d] - A[d]) / h[d];
+    in_spans.push_back(xi);
+  }
+  return in_spans;
+}
+
+// Parameter of a place in span units.
+Point3 from_span_units(const SplineGrid& grid, const Point3& xi) {
+  Point3 u = grid.A();
+  const Point3 h = grid.span_size();
+  for (std::size_t d = 0; d < 3; ++d) u[d] += h[d] * xi[d];
+  return u;
 }
 
 // Cuts a polygon in span units into slabs along axes d, d - 1, …, 0 and hands each piece on.
@@ -73,25 +85,24 @@ CutTriangle cut_triangle(const TriangleMesh& mesh, std::size_t triangle, const s
   return cut;
 }
 
+void for_span_pieces(const SplineGrid& grid, const std::vector<Point3>& polygon,
+                     const std::function<void(const std::vector<Point3>&)>& use) {
+  const double negligible = negligible_share * norm(area_vector(polygon));
+  for_each_piece(in_span_units(grid, polygon), 3, grid.spans(), [&](const Polygon& piece) {
+    Polygon corners;
+    for (const Point3& xi : piece) corners.push_back(grid.to_position(from_span_units(grid, xi)));
+    if (norm(area_vector(corners)) > negligible) use(corners);
+  });
+}
+
 void add_polygon_points(const TrimmedModel& model, const SurfaceCells& surface, std::size_t triangle,
                         const std::vector<Point3>& polygon, std::vector<SurfacePoint>& points) {
   const SplineGrid& grid = model.grid;
-  const Point3 A = grid.A(), h = grid.span_size();
   const auto degree = grid.degree();
   const auto rule = triangle_rule(3 * *std::max_element(degree.begin(), degree.end()));
-  Polygon in_spans;
-  for (const Point3& x : polygon) {
-    Point3 xi = grid.to_parameter(x);
-    for (std::size_t d = 0; d < 3; ++d) xi[d] = (xi[d] - A[d]) / h[d];
-    in_spans.push_back(xi);
-  }
-  const auto parameter = [&](const Point3& xi) {
-    Point3 u = A;
-    for (std::size_t d = 0; d < 3; ++d) u[d] += h[d] * xi[d];
-    return u;
-  };
+  const auto parameter = [&](const Point3& xi) { return from_span_units(grid, xi); };
   const double negligible = negligible_share * norm(area_vector(polygon));
-  for_each_piece(in_spans, 3, grid.spans(), [&](const Polygon& piece) {
+  for_each_piece(in_span_units(grid, polygon), 3, grid.spans(), [&](const Polygon& piece) {
     Point3 middle{};
     for (const Point3& xi : piece) middle = plus(middle, times(xi, 1.0 / static_cast<double>(piece.size())));
     const std::int64_t cell = surface.find(triangle, parameter(middle)).cell;

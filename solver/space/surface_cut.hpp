@@ -3,6 +3,7 @@
 
 #include "solver/space/surface_cells.hpp"
 
+#include <functional>
 #include <vector>
 
 namespace iga::solve {
@@ -24,6 +25,11 @@ struct CutTriangle {
 /// @param snap  length
 CutTriangle cut_triangle(const TriangleMesh& mesh, std::size_t triangle, const std::vector<HalfSpace>& half_spaces,
                          double snap);
+
+/// Cuts a polygon at the span faces of a grid and calls use(piece) for every piece that is no rounding of the cuts.
+/// Corners are positions (length), the polygon is convex.
+void for_span_pieces(const SplineGrid& grid, const std::vector<Point3>& polygon,
+                     const std::function<void(const std::vector<Point3>&)>& use);
 
 /// A quadrature point on the surface, with the cell that owns it.
 struct SurfacePoint {

@@ -4,6 +4,7 @@
 #include "format/model/errors.hpp"
 #include "format/model/vec3.hpp"
 #include "solver/space/surface_cut.hpp"
+#include "solver/space/surface_patch.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -54,6 +55,7 @@ std::string describe(const RegionChoice& choice) {
   if (choice.normal)
     tests.push_back(fmt::format("normals within {:.3g} degrees of ({:.6g})", choice.normal->angle,
                                 fmt::join(choice.normal->direction, ", ")));
+  if (choice.patch) tests.push_back(fmt::format("patch {}", choice.patch->file.string()));
   return tests.empty() ? "the whole surface" : fmt::format("{}", fmt::join(tests, " and "));
 }
 
@@ -134,6 +136,25 @@ Point3 normal_of(const TriangleMesh& mesh, std::size_t triangle) {
   return length > 0 ? times(n, 1 / length) : n;
 }
 
+bool is_all(const std::vector<ConvexPolygon>& parts, const ConvexPolygon& polygon) {
+  constexpr double sums = 1e-9; // rounding of the cuts
+  double area = 0;
+  for (const ConvexPolygon& part : parts) area += polygon_area(part);
+  return area >= (1 - sums) * polygon_area(polygon);
+}
+
+// What a patch, where there is one, leaves of a triangle.
+std::vector<ConvexPolygon> chosen_parts(const std::optional<SurfacePatch>& patch, const CutTriangle& cut,
+                                        const Point3& normal) {
+  return patch ? patch->part_of(cut.polygon, normal) : std::vector<ConvexPolygon>{cut.polygon};
+}
+
+[[noreturn]] void refuse_empty(const TrimmedModel& model, const RegionChoice& choice,
+                               const std::optional<SurfacePatch>& patch, const std::string& what) {
+  throw InputError(fmt::format("{}: no part of the surface meets its choice ({}){}; {}", what, describe(choice),
+                               patch ? "; " + patch->how_near() : "", regions_that_exist(model)));
+}
+
 // Appends a point to the cell that is being filled.
 void add_point(SurfaceRegion& region, const Point3& u, double weight, const Point3& normal, const Point3& origin,
                Point3& first_moment) {
@@ -158,19 +179,25 @@ SurfaceRegion choose_region(const TrimmedModel& model, const RegionChoice& choic
   };
   std::vector<CutPoint> cut_points;
   std::vector<SurfacePoint> added;
+  std::optional<SurfacePatch> patch;
+  if (choice.patch) patch.emplace(model, *choice.patch, what);
+  SurfaceRegion region;
   for (std::size_t t = 0; t < whole.size(); ++t) {
     const Point3 normal = normal_of(mesh, t);
     const CutTriangle cut = chooser.choose(t, normal);
-    whole[t] = cut.part == CutTriangle::Part::Whole;
-    if (cut.part != CutTriangle::Part::Some) continue;
+    if (cut.part == CutTriangle::Part::None) continue;
+    const auto parts = chosen_parts(patch, cut, normal);
+    if (parts.empty()) continue;
+    region.triangles.push_back(static_cast<std::int64_t>(t));
+    whole[t] = cut.part == CutTriangle::Part::Whole && (!patch || is_all(parts, cut.polygon));
+    if (whole[t]) continue;
     added.clear();
-    add_polygon_points(model, surface, t, cut.polygon, added);
+    for (const ConvexPolygon& part : parts) add_polygon_points(model, surface, t, part, added);
     for (const SurfacePoint& point : added) cut_points.push_back({point, normal});
   }
   std::stable_sort(cut_points.begin(), cut_points.end(),
                    [](const CutPoint& a, const CutPoint& b) { return a.point.cell < b.point.cell; });
 
-  SurfaceRegion region;
   region.offsets = {0};
   Point3 first{};
   auto next = cut_points.begin();
@@ -186,12 +213,28 @@ SurfaceRegion choose_region(const TrimmedModel& model, const RegionChoice& choic
     region.cells.push_back(static_cast<std::int64_t>(a));
     region.offsets.push_back(static_cast<std::int64_t>(region.weights.size()));
   }
-  if (!(region.report.area > 0))
-    throw InputError(fmt::format("{}: no part of the surface meets its choice ({}); {}", what, describe(choice),
-                                 regions_that_exist(model)));
+  if (!(region.report.area > 0)) refuse_empty(model, choice, patch, what);
+  if (patch) patch->describe(region.report);
   region.report.points = static_cast<std::int64_t>(region.weights.size());
   region.report.centroid = model.grid.to_position(plus(model.grid.A(), times(first, 1 / region.report.area)));
   return region;
+}
+
+std::vector<ChosenPolygon> choose_polygons(const TrimmedModel& model, const RegionChoice& choice,
+                                           const std::string& what) {
+  const Chooser chooser(model, choice, what);
+  const TriangleMesh& mesh = model.surface.mesh;
+  std::optional<SurfacePatch> patch;
+  if (choice.patch) patch.emplace(model, *choice.patch, what);
+  std::vector<ChosenPolygon> polygons;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Point3 normal = normal_of(mesh, t);
+    const CutTriangle cut = chooser.choose(t, normal);
+    if (cut.part == CutTriangle::Part::None || !(norm(normal) > 0)) continue;
+    for (ConvexPolygon& part : chosen_parts(patch, cut, normal)) polygons.push_back({t, normal, std::move(part)});
+  }
+  if (polygons.empty()) refuse_empty(model, choice, patch, what);
+  return polygons;
 }
 
 PointBatch gather(const TrimmedModel& model, const SurfaceRegion& region, std::size_t s) {

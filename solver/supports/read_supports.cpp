@@ -84,10 +84,53 @@ void read_regions(io::SettingsTable& table, RegionChoice& choice) {
     refuse(table, "region", "the list is empty; give names or numbers of regions, or leave it out");
 }
 
+void read_patch(io::SettingsTable& table, RegionChoice& choice) {
+  if (table.holds_text("patch")) {
+    choice.patch = RegionChoice::Patch{*table.path("patch"), std::nullopt};
+    return;
+  }
+  io::SettingsTable patch = table.table("patch");
+  const auto file = patch.path("file");
+  const auto tolerance = patch.number("tolerance");
+  if (!file && tolerance) refuse(patch, "file", "missing; give the STL file of the patch");
+  if (tolerance && *tolerance < 0) refuse(patch, "tolerance", fmt::format("found {}, expected 0 or more", *tolerance));
+  if (file) choice.patch = RegionChoice::Patch{*file, tolerance};
+}
+
+// curve, line, point or at: one of them at most.
+PlaceChoice read_place(io::SettingsTable& table) {
+  PlaceChoice place;
+  const char* first = nullptr;
+  for (const char* key : {"curve", "line", "point", "at"}) {
+    if (!table.holds(key)) continue;
+    if (first) refuse(table, key, fmt::format("given together with {}; give one of them", first));
+    first = key;
+  }
+  if (table.holds_text("curve"))
+    place.curves = {*table.text("curve")};
+  else if (const auto names = table.texts("curve"))
+    place.curves = *names;
+  if (table.holds("curve") && place.curves.empty())
+    refuse(table, "curve", "the list is empty; give names of curves of the model (igasolve info lists them)");
+  if (const auto rows = table.rows("line", 3)) {
+    for (const auto& row : *rows) place.line.push_back({row[0], row[1], row[2]});
+    if (place.line.size() < 2)
+      refuse(table, "line",
+             fmt::format("found {} point(s), expected two or more: [[x, y, z], [x, y, z], …]", place.line.size()));
+  }
+  place.marker = table.text("point").value_or("");
+  if (table.holds("point") && place.marker.empty())
+    refuse(table, "point",
+           "the name is empty; give a marker of the model (igasolve info lists them), or at = [x, y, z]");
+  place.at = vector3(table, "at");
+  return place;
+}
+
 ReadRegion read_region(io::SettingsTable& table) {
   ReadRegion region;
   RegionChoice& choice = region.choice;
   read_regions(table, choice);
+  read_patch(table, choice);
   if (const auto box = table.numbers("box", {6})) {
     choice.box = Box3{{(*box)[0], (*box)[1], (*box)[2]}, {(*box)[3], (*box)[4], (*box)[5]}};
     for (std::size_t d = 0; d < 3; ++d)
@@ -116,51 +159,70 @@ ReadRegion read_region(io::SettingsTable& table) {
     choice.normal = RegionChoice::Direction{*direction, angle.value_or(default_angle)};
   }
   const bool whole = table.boolean("whole_surface").value_or(false);
-  const bool some = !choice.names.empty() || !choice.numbers.empty() || choice.box || choice.plane || choice.normal;
+  const bool some =
+      !choice.names.empty() || !choice.numbers.empty() || choice.box || choice.plane || choice.normal || choice.patch;
   if (whole && some) refuse(table, "whole_surface", "given together with a choice of surface; give one of them");
   region.given = whole || some;
   return region;
 }
 
 constexpr const char* how_to_choose =
-    "choose surface by region (names or numbers), box, plane, normal, or whole_surface = true";
+    "choose surface by region (names or numbers), box, plane, normal, patch, or whole_surface = true";
+constexpr const char* or_a_place =
+    ", a line by curve = \"name\" or line = [[x, y, z], …], or a point by point = \"name\" or at = [x, y, z]";
 
 void read_fixed(io::SettingsTable& table, Support& support) {
   const auto fixed = table.text("fixed");
   if (!fixed) return;
-  if (*fixed == "normal") {
-    support.along_normal = true;
-    return;
-  }
+  support.along_normal = *fixed == "normal";
+  support.radial = *fixed == "pinned" || *fixed == "radial";
+  support.axial = *fixed == "pinned";
+  if ((support.along_normal || support.radial) && support.place.given())
+    refuse(table, "fixed",
+           fmt::format("a line or a point has no \"{}\" direction; give letters out of x, y, z", *fixed));
+  if (support.along_normal || support.radial) return;
   support.fixed = {};
   for (const char c : *fixed) {
     const auto d = std::string_view("xyz").find(c);
     if (d == std::string_view::npos || support.fixed[d])
       refuse(table, "fixed",
-             fmt::format("found \"{}\", expected letters out of x, y, z, each once, or \"normal\"", *fixed));
+             fmt::format("found \"{}\", expected letters out of x, y, z, each once, or \"normal\", "
+                         "\"pinned\", \"radial\"",
+                         *fixed));
     support.fixed[d] = true;
   }
-  if (fixed->empty()) refuse(table, "fixed", "nothing is fixed; expected letters out of x, y, z, or \"normal\"");
+  if (fixed->empty())
+    refuse(table, "fixed",
+           "nothing is fixed; expected letters out of x, y, z, or \"normal\", \"pinned\", "
+           "\"radial\"");
 }
 
 Support read_support(io::SettingsTable& table, std::size_t number) {
   Support support;
   support.name = name_or(table, "support", number);
-  support.region = need_region(table);
+  support.body = table.text("body").value_or("");
+  support.place = read_place(table);
+  const ReadRegion region = read_region(table);
+  if (region.given && support.place.given())
+    refuse(table, "region", "a line or a point is given together with a choice of surface; give one of them");
+  if (!region.given && !support.place.given())
+    refuse(table, "region", fmt::format("missing; {}{}", how_to_choose, or_a_place));
+  support.region = region.choice;
   read_fixed(table, support);
   support.frame = read_frame(table);
-  if (support.along_normal) {
+  if (support.along_normal || support.radial) {
     const auto value = table.number("value");
     support.value = {value.value_or(0), 0, 0};
   } else if (const auto value = vector3(table, "value")) {
     support.value = *value;
   }
   if (const auto gradient = table.numbers("gradient", {9})) {
-    if (support.along_normal) refuse(table, "gradient", "a displacement along the normal is one number, value");
+    if (support.along_normal || support.radial)
+      refuse(table, "gradient", "a displacement along the normal or away from an axis is one number, value");
     for (std::size_t k = 0; k < 9; ++k) support.gradient[k / 3][k % 3] = (*gradient)[k];
   }
   const std::vector<std::string> methods{"nitsche", "penalty", "lagrange"};
-  const std::string method = table.text("method").value_or(methods[0]);
+  const std::string method = table.text("method").value_or(methods[support.place.given() ? 1 : 0]);
   const auto found = std::find(methods.begin(), methods.end(), method);
   if (found == methods.end()) {
     const auto near = io::nearest_name(method, methods);
@@ -169,6 +231,13 @@ Support read_support(io::SettingsTable& table, std::size_t number) {
                        near ? fmt::format("; did you mean {}?", *near) : ""));
   }
   support.method = static_cast<SupportMethod>(found - methods.begin());
+  if (support.place.given() && support.method != SupportMethod::Penalty)
+    refuse(table, "method",
+           fmt::format("found \"{}\", but a line or a point is held by the method \"penalty\" alone: "
+                       "it has no area that a traction could act on",
+                       method));
+  if (support.radial && support.method == SupportMethod::Lagrange)
+    refuse(table, "method", "a cylinder is held by \"nitsche\" or \"penalty\"; leave the method out");
   if (const auto factor = table.number("penalty_factor")) {
     if (support.method != SupportMethod::Penalty)
       refuse(table, "penalty_factor",
@@ -182,16 +251,22 @@ Support read_support(io::SettingsTable& table, std::size_t number) {
 } // namespace
 
 std::vector<io::TableKeys> region_keys(const std::string& table) {
-  return {{table, {"region", "box", "plane", "normal", "whole_surface"}},
+  return {{table, {"region", "box", "plane", "normal", "patch", "whole_surface"}},
+          {table + ".patch", {"file", "tolerance"}},
           {table + ".plane", {"point", "normal", "tolerance"}},
           {table + ".normal", {"direction", "angle"}}};
 }
 
+std::vector<io::TableKeys> place_keys(const std::string& table) {
+  return {{table, {"curve", "line", "point", "at"}}};
+}
+
 std::vector<io::TableKeys> load_keys(const std::string& table) {
   std::vector<io::TableKeys> keys = region_keys(table);
-  keys.push_back(
-      {table,
-       {"name", "rotation", "rotate_axis_angle", "at", "traction", "force", "body_force", "acceleration", "pressure"}});
+  keys.push_back(place_keys(table).front());
+  keys.push_back({table,
+                  {"name", "rotation", "rotate_axis_angle", "traction", "force", "moment", "remote", "spread",
+                   "bearing", "body_force", "acceleration", "pressure"}});
   return keys;
 }
 
@@ -201,15 +276,16 @@ RegionChoice need_region(io::SettingsTable& table) {
   return region.choice;
 }
 
-Load read_load(io::SettingsTable& table, std::size_t number) {
-  Load load;
-  load.name = name_or(table, "load", number);
-  load.frame = read_frame(table);
-  const ReadRegion region = read_region(table);
-  load.region = region.choice;
-  const auto at = vector3(table, "at");
-  constexpr std::array<std::pair<const char*, LoadKind>, 4> vectors{{{"traction", LoadKind::Traction},
+RegionChoice region_or_all(io::SettingsTable& table) {
+  return read_region(table).choice;
+}
+
+namespace {
+
+void read_value(io::SettingsTable& table, Load& load) {
+  constexpr std::array<std::pair<const char*, LoadKind>, 5> vectors{{{"traction", LoadKind::Traction},
                                                                      {"force", LoadKind::TotalForce},
+                                                                     {"bearing", LoadKind::Bearing},
                                                                      {"body_force", LoadKind::BodyForce},
                                                                      {"acceleration", LoadKind::Acceleration}}};
   int kinds = 0;
@@ -224,22 +300,59 @@ Load read_load(io::SettingsTable& table, std::size_t number) {
     load.pressure = *pressure;
     ++kinds;
   }
+  if (kinds == 0 && table.holds("moment")) return; // alone
   if (kinds != 1)
     refuse(table, "traction",
-           fmt::format("{}; give one of traction, pressure, force, body_force, acceleration in each [[load]]",
-                       kinds == 0 ? "this load has no value" : "this load has more than one value"));
-  if (load.kind == LoadKind::TotalForce && at) {
-    load.kind = LoadKind::Point;
-    load.position = *at;
-  } else if (at) {
-    refuse(table, "at", "only a force acts at a point; leave it out, or write force = [fx, fy, fz]");
+           fmt::format(
+               "{}; give one of traction, pressure, force (with or without a moment), moment, bearing, body_force, "
+               "acceleration in each [[load]]",
+               kinds == 0 ? "this load has no value" : "this load has more than one value"));
+}
+
+// Forces and moments that act on a region from a place beside it: moment, remote, spread.
+void read_remote(io::SettingsTable& table, Load& load) {
+  const auto moment = vector3(table, "moment");
+  load.remote = vector3(table, "remote");
+  const auto spread = table.text("spread");
+  const char* first = moment ? "moment" : load.remote ? "remote" : spread ? "spread" : nullptr;
+  if (!first) return;
+  if (load.kind != LoadKind::TotalForce && !(load.kind == LoadKind::Traction && !table.holds("traction")))
+    refuse(table, first, "only a force on a choice of surface, or a moment alone, has one; leave it out");
+  if (load.place.given()) refuse(table, first, "a line or a point takes a force alone; choose surface");
+  if (spread && *spread != "even" && *spread != "rigid")
+    refuse(table, "spread",
+           fmt::format("found \"{}\", expected \"even\" (the region deforms) or \"rigid\" (it does not)", *spread));
+  load.kind = LoadKind::Remote;
+  load.moment = moment.value_or(Point3{});
+  load.rigid = spread && *spread == "rigid";
+}
+
+} // namespace
+
+Load read_load(io::SettingsTable& table, std::size_t number) {
+  Load load;
+  load.name = name_or(table, "load", number);
+  load.frame = read_frame(table);
+  const ReadRegion region = read_region(table);
+  load.region = region.choice;
+  load.place = read_place(table);
+  read_value(table, load);
+  read_remote(table, load);
+  const bool is_force = load.kind == LoadKind::TotalForce;
+  if (is_force && load.place.given()) {
+    load.kind = load.place.is_line() ? LoadKind::Line : LoadKind::Point;
+  } else if (load.place.given()) {
+    const char* key = table.holds("curve")  ? "curve"
+                      : table.holds("line") ? "line"
+                      : table.holds("at")   ? "at"
+                                            : "point";
+    refuse(table, key, "only a force acts along a line or at a point; leave it out, or write force = [fx, fy, fz]");
   }
-  const bool on_surface =
-      load.kind == LoadKind::Traction || load.kind == LoadKind::Pressure || load.kind == LoadKind::TotalForce;
+  const bool on_surface = load.kind == LoadKind::Traction || load.kind == LoadKind::Pressure ||
+                          load.kind == LoadKind::TotalForce || load.kind == LoadKind::Remote ||
+                          load.kind == LoadKind::Bearing;
   if (on_surface && !region.given)
-    refuse(table, "region",
-           fmt::format("missing; {}{}", how_to_choose,
-                       load.kind == LoadKind::TotalForce ? ", or at = [x, y, z] for a point" : ""));
+    refuse(table, "region", fmt::format("missing; {}{}", how_to_choose, is_force ? or_a_place : ""));
   if (!on_surface && region.given)
     refuse(table, "region", "this load acts on no surface; leave the choice of surface out");
   return load;
@@ -253,11 +366,14 @@ std::vector<Support> read_supports(io::SettingsTable& root) {
 
 StaticSettings read_static_settings(io::SettingsTable& root) {
   StaticSettings settings;
-  for (io::SettingsTable& table : root.tables("load"))
+  for (io::SettingsTable& table : root.tables("load")) {
     settings.loads.push_back(read_load(table, settings.loads.size() + 1));
+    settings.loads.back().body = table.text("body").value_or("");
+  }
   for (io::SettingsTable& table : root.tables("probe")) {
     Probe probe;
     probe.name = name_or(table, "probe", settings.probes.size() + 1);
+    probe.body = table.text("body").value_or("");
     probe.position = need_vector3(table, "position", "the position");
     settings.probes.push_back(std::move(probe));
   }

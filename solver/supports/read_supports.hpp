@@ -19,13 +19,17 @@ struct StaticSettings {
 std::vector<Support> read_supports(io::SettingsTable& root);
 StaticSettings read_static_settings(io::SettingsTable& root);
 
-/// Keys of `table` and of the tables in it, for SettingsTable::expect_only: those that choose surface; those of a load.
+/// Keys of `table` and of the tables in it, for SettingsTable::expect_only: those that choose surface; lines and
+/// points; those of a load.
 std::vector<io::TableKeys> region_keys(const std::string& table);
+std::vector<io::TableKeys> place_keys(const std::string& table);
 std::vector<io::TableKeys> load_keys(const std::string& table);
 
 /// One [[load]], `number` counted from 1 for its name where it has none.
 Load read_load(io::SettingsTable& table, std::size_t number);
 /// The keys that choose surface. @throws InputError where there are none
 RegionChoice need_region(io::SettingsTable& table);
+/// The same; no key at all means the whole surface.
+RegionChoice region_or_all(io::SettingsTable& table);
 
 } // namespace iga::solve

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -25,6 +26,7 @@ struct Body {
   double volume = 0, radius = 0, support_area = 0;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   Eigen::Matrix<double, 6, 6> held = Eigen::Matrix<double, 6, 6>::Zero(); ///< ∫ (e · v)(e · v) dA over twists
+  std::vector<std::string> names;                                         ///< of the run's bodies that it consists of
 };
 
 Eigen::Vector3d as_vector(const Point3& x) {
@@ -32,22 +34,30 @@ Eigen::Vector3d as_vector(const Point3& x) {
 }
 
 // A span belongs to the body of its nodes; one whose functions were all removed moves with none.
-std::size_t body_of(const SolutionSpace& space, const Bodies& bodies, std::int64_t a) {
-  if (space.nodes(a).empty()) return 0;
-  return static_cast<std::size_t>(bodies.of_node[static_cast<std::size_t>(space.nodes(a).front())]);
+std::size_t body_of(const SystemBody& part, const Bodies& bodies, std::int64_t a) {
+  const auto nodes = part.space->nodes(a);
+  return nodes.empty() ? 0
+                       : static_cast<std::size_t>(bodies.of_node[static_cast<std::size_t>(part.first_node + nodes[0])]);
 }
 
-std::vector<Body> measure(const SolutionSpace& space, const Bodies& bodies) {
-  const TrimmedModel& model = space.model();
+std::vector<Body> measure(const BodySystem& system, const Bodies& bodies) {
   std::vector<Body> all(static_cast<std::size_t>(bodies.count));
+  for (const SystemBody& part : system)
+    for (std::int64_t a = 0; a < part.space->num_cells(); ++a) {
+      auto& names = all[body_of(part, bodies, a)].names;
+      if (names.empty() || names.back() != part.name) names.push_back(part.name);
+    }
   const auto each = [&](auto&& use) {
-    for (std::size_t a = 0; a < model.cells.span.size(); ++a)
-      for (std::int64_t q = model.points.offsets[a]; q < model.points.offsets[a + 1]; ++q) {
-        const auto i = static_cast<std::size_t>(q);
-        const double* u = model.points.parameters.data() + 3 * i;
-        use(all[body_of(space, bodies, static_cast<std::int64_t>(a))],
-            as_vector(model.grid.to_position({u[0], u[1], u[2]})), model.points.weights[i]);
-      }
+    for (const SystemBody& part : system) {
+      const TrimmedModel& model = part.space->model();
+      for (std::size_t a = 0; a < model.cells.span.size(); ++a)
+        for (std::int64_t q = model.points.offsets[a]; q < model.points.offsets[a + 1]; ++q) {
+          const auto i = static_cast<std::size_t>(q);
+          const double* u = model.points.parameters.data() + 3 * i;
+          use(all[body_of(part, bodies, static_cast<std::int64_t>(a))],
+              as_vector(model.grid.to_position({u[0], u[1], u[2]})), model.points.weights[i]);
+        }
+    }
   };
   each([](Body& body, const Eigen::Vector3d& x, double w) {
     body.volume += w;
@@ -61,21 +71,25 @@ std::vector<Body> measure(const SolutionSpace& space, const Bodies& bodies) {
   return all;
 }
 
-void add_supports(const SolutionSpace& space, const Bodies& bodies, std::span<const PreparedSupport> supports,
+void add_supports(const SystemBody& part, const Bodies& bodies, std::span<const PreparedSupport> supports,
                   std::vector<Body>& all) {
   for (const PreparedSupport& prepared : supports)
     for (std::size_t s = 0; s < prepared.region.cells.size(); ++s) {
-      const PointBatch batch = gather(space.model(), prepared.region, s);
-      Body& body = all[body_of(space, bodies, batch.cell)];
+      const PointBatch batch = gather(part.space->model(), prepared.region, s);
+      Body& body = all[body_of(part, bodies, batch.cell)];
+      // Lines and points count like strips and patches of the body's size.
+      const Extent extent = prepared.region.report.extent;
+      const double width = std::pow(body.radius, extent == Extent::Surface ? 0 : extent == Extent::Line ? 1 : 2);
       for (std::size_t q = 0; q < batch.size(); ++q) {
-        body.support_area += batch.weights[q];
-        const FixedDirections fixed = fixed_directions(prepared.support, batch.normals[q], batch.positions[q]);
+        const double area = width * batch.weights[q];
+        body.support_area += area;
+        const FixedDirections fixed = fixed_directions(prepared, batch.normals[q], batch.positions[q]);
         for (std::size_t d = 0; d < static_cast<std::size_t>(fixed.count); ++d) {
           const Eigen::Vector3d e = as_vector(fixed.direction[d]);
           Twist row;
           row.head<3>() = e;
           row.tail<3>() = (as_vector(batch.positions[q]) - body.centre).cross(e) / body.radius;
-          body.held += batch.weights[q] * row * row.transpose();
+          body.held += area * row * row.transpose();
         }
       }
     }
@@ -141,17 +155,20 @@ std::vector<std::string> describe(const Body& body, const Eigen::MatrixXd& twist
 
 } // namespace
 
-std::vector<std::string> free_rigid_motions(const SolutionSpace& space, const NodePattern& pattern,
-                                            std::span<const PreparedSupport> supports) {
+std::vector<std::string> free_rigid_motions(const BodySystem& system, const NodePattern& pattern,
+                                            std::span<const SupportTerms> supports) {
   const Bodies bodies = separate_bodies(pattern);
-  std::vector<Body> all = measure(space, bodies);
-  add_supports(space, bodies, supports, all);
+  std::vector<Body> all = measure(system, bodies);
+  for (std::size_t b = 0; b < system.size(); ++b) add_supports(system[b], bodies, supports[b].prepared, all);
   std::vector<std::string> lines;
   for (std::size_t b = 0; b < all.size(); ++b) {
     const Eigen::MatrixXd twists = free_twists(all[b]);
     if (twists.cols() == 0) continue;
-    lines.push_back(fmt::format("body {} of {} (centre {}, volume {:.4g}) is free to move: {}", b + 1, all.size(),
-                                text(all[b].centre, all[b].radius), all[b].volume,
+    const std::string names = system.size() == 1 ? ""
+                                                 : fmt::format(", {}'{}'", all[b].names.size() > 1 ? "tied: " : "",
+                                                               fmt::join(all[b].names, "', '"));
+    lines.push_back(fmt::format("body {} of {}{} (centre {}, volume {:.4g}) is free to move: {}", b + 1, all.size(),
+                                names, text(all[b].centre, all[b].radius), all[b].volume,
                                 fmt::join(describe(all[b], twists), ", ")));
   }
   return lines;

@@ -18,8 +18,15 @@ Row3 times_strain(const Eigen::Matrix<double, 1, 6>& s, double gx, double gy, do
 
 } // namespace
 
-FixedDirections fixed_directions(const Support& support, const Point3& normal, const Point3& position) {
+FixedDirections fixed_directions(const PreparedSupport& prepared, const Point3& normal, const Point3& position) {
+  const Support& support = prepared.support;
   FixedDirections fixed;
+  if (support.radial) {
+    fixed.count = support.axial ? 2 : 1;
+    fixed.direction = {prepared.cylinder.radial(position), prepared.cylinder.axis};
+    fixed.prescribed[0] = support.value[0];
+    return fixed;
+  }
   if (support.along_normal) {
     fixed.count = 1;
     fixed.direction[0] = normal;
@@ -48,7 +55,7 @@ double effective_modulus(const ElasticMaterial& material) {
   return 3 / (compliance(0, 0) + compliance(1, 1) + compliance(2, 2));
 }
 
-SupportRows make_rows(const SolutionSpace& space, const ElasticMaterial& material, const Support& support,
+SupportRows make_rows(const SolutionSpace& space, const ElasticMaterial& material, const PreparedSupport& prepared,
                       const PointBatch& batch, RowParts parts, SpanShapes& shapes) {
   const auto nodes = static_cast<Eigen::Index>(space.nodes(batch.cell).size());
   const bool trace = parts != RowParts::Traction, traction = parts != RowParts::Trace;
@@ -57,7 +64,7 @@ SupportRows make_rows(const SolutionSpace& space, const ElasticMaterial& materia
   SupportRows rows;
   std::vector<double> weights, prescribed;
   for (std::size_t q = 0; q < batch.size(); ++q) {
-    const FixedDirections fixed = fixed_directions(support, batch.normals[q], batch.positions[q]);
+    const FixedDirections fixed = fixed_directions(prepared, batch.normals[q], batch.positions[q]);
     for (std::size_t d = 0; d < static_cast<std::size_t>(fixed.count); ++d) {
       weights.push_back(batch.weights[q]);
       prescribed.push_back(fixed.prescribed[d]);

@@ -11,7 +11,7 @@ struct FixedDirections {
   std::array<Point3, 3> direction{}; ///< unit, the part's frame
   Point3 prescribed{};               ///< length
 };
-FixedDirections fixed_directions(const Support& support, const Point3& normal, const Point3& position);
+FixedDirections fixed_directions(const PreparedSupport& prepared, const Point3& normal, const Point3& position);
 
 /// For each fixed direction e of each point, in that order, one row over the unknowns of a span (3 r + a: component a
 /// of nodes[r]).
@@ -25,7 +25,7 @@ struct SupportRows {
 };
 enum class RowParts { Trace, Traction, Both };
 
-SupportRows make_rows(const SolutionSpace& space, const ElasticMaterial& material, const Support& support,
+SupportRows make_rows(const SolutionSpace& space, const ElasticMaterial& material, const PreparedSupport& prepared,
                       const PointBatch& batch, RowParts parts, SpanShapes& shapes);
 
 /// Stress 6-vector → force on a unit area with normal n: t = T(n) σ.
@@ -33,6 +33,9 @@ Eigen::Matrix<double, 3, 6> traction_of_stress(const Point3& n);
 
 /// Young's modulus where the material is isotropic; harmonic mean of the three axes' moduli elsewhere. force/length²
 double effective_modulus(const ElasticMaterial& material);
+
+/// E / h, on lines E, at points E h: what a penalty factor multiplies. force/length³, /length², /length
+double penalty_stiffness(const SolutionSpace& space, const ElasticMaterial& material, Extent extent);
 
 // The three methods; each fills what its support needs. `prepared` holds the supports of that method only.
 void penalty_parameters(const SolutionSpace& space, const ElasticMaterial& material,

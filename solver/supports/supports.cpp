@@ -24,7 +24,7 @@ SpanTerms span_terms(const SolutionSpace& space, const ElasticMaterial& material
   const bool nitsche = prepared.support.method == SupportMethod::Nitsche;
   const PointBatch batch = gather(space.model(), prepared.region, s);
   const SupportRows rows =
-      make_rows(space, material, prepared.support, batch, nitsche ? RowParts::Both : RowParts::Trace, shapes);
+      make_rows(space, material, prepared, batch, nitsche ? RowParts::Both : RowParts::Trace, shapes);
   const double beta = prepared.beta[s];
   const Eigen::MatrixXd weighted = rows.weight.asDiagonal() * rows.trace;
   SpanTerms terms;
@@ -44,12 +44,12 @@ void add_span(std::span<const std::int32_t> nodes, const Eigen::VectorXd& local,
 }
 
 void add_stiffness(const SolutionSpace& space, const ElasticMaterial& material, const PreparedSupport& prepared,
-                   StiffnessMatrix& K, Eigen::VectorXd& load) {
+                   std::int64_t first_node, StiffnessMatrix& K, Eigen::VectorXd& load) {
   in_order(
       prepared.region.cells.size(), [&](std::size_t s) { return span_terms(space, material, prepared, s); },
       [&](std::size_t s, const SpanTerms& terms) {
         const auto nodes = space.nodes(prepared.region.cells[s]);
-        K.add(nodes, terms.stiffness);
+        K.add(nodes, terms.stiffness, static_cast<std::int32_t>(first_node));
         add_span(nodes, terms.load, load);
       });
 }
@@ -113,7 +113,7 @@ Reaction weak_reaction(const SolutionSpace& space, const ElasticMaterial& materi
         SpanShapes shapes;
         const PointBatch batch = gather(space.model(), prepared.region, s);
         const SupportRows rows =
-            make_rows(space, material, prepared.support, batch, nitsche ? RowParts::Both : RowParts::Trace, shapes);
+            make_rows(space, material, prepared, batch, nitsche ? RowParts::Both : RowParts::Trace, shapes);
         const auto nodes = space.nodes(batch.cell);
         Eigen::VectorXd local(3 * static_cast<Eigen::Index>(nodes.size()));
         for (std::size_t r = 0; r < nodes.size(); ++r)
@@ -149,14 +149,21 @@ Reaction weak_reaction(const SolutionSpace& space, const ElasticMaterial& materi
 } // namespace
 
 SupportTerms apply_supports(const SolutionSpace& space, const ElasticMaterial& material,
-                            std::span<const Support> supports, StiffnessMatrix& K) {
+                            std::span<const Support> supports, StiffnessMatrix& K,
+                            std::span<PreparedSupport* const> tied, std::int64_t first_node) {
   SupportTerms terms;
   terms.load = Eigen::VectorXd::Zero(space.num_unknowns());
   for (const Support& support : supports) {
     PreparedSupport prepared;
     prepared.support = support;
-    prepared.region = choose_region(space.model(), support.region, fmt::format("support '{}'", support.name));
+    const std::string what = fmt::format("support '{}'", support.name);
+    prepared.region = support.place.given() ? choose_places(space.model(), support.place, what)
+                                            : choose_region(space.model(), support.region, what);
     prepared.region.report.name = support.name;
+    if (support.radial) {
+      prepared.cylinder = fit_cylinder(space.model(), prepared.region, what);
+      prepared.region.report.note = prepared.cylinder.text();
+    }
     terms.regions.push_back(prepared.region.report);
     terms.prepared.push_back(std::move(prepared));
   }
@@ -167,11 +174,23 @@ SupportTerms apply_supports(const SolutionSpace& space, const ElasticMaterial& m
     return found;
   };
   penalty_parameters(space, material, of_method(SupportMethod::Penalty));
-  nitsche_parameters(space, material, of_method(SupportMethod::Nitsche));
+  std::vector<PreparedSupport*> nitsche = of_method(SupportMethod::Nitsche);
+  nitsche.insert(nitsche.end(), tied.begin(), tied.end());
+  nitsche_parameters(space, material, nitsche);
   for (const PreparedSupport& prepared : terms.prepared)
-    if (prepared.support.method != SupportMethod::Lagrange) add_stiffness(space, material, prepared, K, terms.load);
+    if (prepared.support.method != SupportMethod::Lagrange)
+      add_stiffness(space, material, prepared, first_node, K, terms.load);
   add_constraints(space, material, terms);
   return terms;
+}
+
+std::vector<std::string> region_warnings(std::span<const RegionReport> supports) {
+  std::vector<std::string> all;
+  for (const RegionReport& region : supports) {
+    const auto warnings = region_warnings(region, fmt::format("support '{}'", region.name));
+    all.insert(all.end(), warnings.begin(), warnings.end());
+  }
+  return all;
 }
 
 std::vector<Reaction> reactions(const SolutionSpace& space, const ElasticMaterial& material, const SupportTerms& terms,

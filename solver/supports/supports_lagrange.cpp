@@ -213,7 +213,7 @@ ConstraintRows lagrange_rows(const SolutionSpace& space, const ElasticMaterial& 
 
   // Columns: nodes, one direction at a time afterwards; unknowns where the direction turns with the normal.
   const Eigen::Index per_node = support.along_normal ? 3 : 1;
-  const FixedDirections any = fixed_directions(support, {0, 0, 1}, {});
+  const FixedDirections any = fixed_directions(prepared, {0, 0, 1}, {});
   Rows rows;
   rows.forced = multipliers.forced();
   rows.values = Eigen::MatrixXd::Zero(multipliers.count(), any.count);
@@ -231,7 +231,7 @@ ConstraintRows lagrange_rows(const SolutionSpace& space, const ElasticMaterial& 
     };
     for (std::size_t q = 0; q < b.size(); ++q) {
       const auto values = shapes.values.row(static_cast<Eigen::Index>(q));
-      const FixedDirections fixed = fixed_directions(support, b.normals[q], b.positions[q]);
+      const FixedDirections fixed = fixed_directions(prepared, b.normals[q], b.positions[q]);
       multipliers.at(b.positions[q], b.normals[q], [&](Eigen::Index m, double factor) {
         Eigen::VectorXd& row = row_of(m);
         for (Eigen::Index i = 0; i < values.size(); ++i)

@@ -50,7 +50,7 @@ class LocalProblem {
       scatter(positions(nodes, piece.patch[k]), share[k], block, energy);
     }
     const PointBatch batch = gather(space_.model(), piece.prepared->region, piece.s);
-    const SupportRows rows = make_rows(space_, material_, piece.prepared->support, batch, RowParts::Traction, shapes);
+    const SupportRows rows = make_rows(space_, material_, *piece.prepared, batch, RowParts::Traction, shapes);
     const auto place = positions(nodes, batch.cell);
     Eigen::MatrixXd traction = Eigen::MatrixXd::Zero(n, rows.weight.size()); // transposed, √weight included
     for (std::size_t r = 0; r < place.size(); ++r)

@@ -71,14 +71,14 @@ double lame_error(int p, double spans, MassType mass) {
     double share = 0;
     for (std::size_t plane = 0; plane < 3; ++plane) {
       const std::size_t i = plane, j = (plane + 1) % 3;
-      const double projection =
-          overlap(model, *outcome.space, outcome.modes.vectors.col(outcome.modes.rigid + static_cast<Eigen::Index>(m)),
-                  turn, [&](const Point3& x) {
-                    Point3 u{};
-                    u[i] = std::cos(pi * (x[i] + 0.5)) * std::sin(pi * (x[j] + 0.5));
-                    u[j] = -std::sin(pi * (x[i] + 0.5)) * std::cos(pi * (x[j] + 0.5));
-                    return u;
-                  });
+      const double projection = overlap(model, *outcome.system[0].space,
+                                        outcome.modes.vectors.col(outcome.modes.rigid + static_cast<Eigen::Index>(m)),
+                                        turn, [&](const Point3& x) {
+                                          Point3 u{};
+                                          u[i] = std::cos(pi * (x[i] + 0.5)) * std::sin(pi * (x[j] + 0.5));
+                                          u[j] = -std::sin(pi * (x[i] + 0.5)) * std::cos(pi * (x[j] + 0.5));
+                                          return u;
+                                        });
       share += 2 * projection * projection; // ∫ u² = 1/2
     }
     shares.emplace_back(share, values[m]);

@@ -159,6 +159,59 @@ TEST_F(Igasolve, WarnsOfAMaterialThatFitsNoUnitsOfTheModel) {
   EXPECT_EQ(steel("210", "7.85e-6").find("no solid"), std::string::npos);
 }
 
+TEST_F(Igasolve, TakesAMaterialByName) {
+  write_bytes(folder / "named.toml", "model = \"cube.h5\"\nmaterial = \"steel\"\n");
+  write_bytes(folder / "table.toml", "model = \"cube.h5\"\nunit_system = \"kg-mm-ms\"\n[material]\nname = \"Steel\"\n");
+  const auto in_tonnes = json({"eigen", "named.toml", "--modes", "1"}, false),
+             in_kg = json({"eigen", "table.toml", "--modes", "1"}, false),
+             flag = json({"eigen", "cube.h5", "--modes", "1", "--material", "steel"}, false),
+             own = json({"eigen", "named.toml", "--modes", "1", "--E", "840000"}, false);
+  EXPECT_NEAR(number(in_tonnes, "material.E"), 210000, 1e-6);
+  EXPECT_NEAR(number(in_kg, "material.E"), 210, 1e-9);
+  for (const auto& report : {in_tonnes, in_kg, flag})
+    EXPECT_NEAR(number(report, "material.mass_in_kg"), 7.85e-6, 1e-12);                         // 1 mm³
+  EXPECT_NEAR(number(in_tonnes, "frequencies.6") / number(in_kg, "frequencies.6"), 1000, 1e-5); // 1/s, 1/ms
+  EXPECT_EQ(number(flag, "frequencies.6"), number(in_tonnes, "frequencies.6"));
+  EXPECT_NEAR(number(own, "frequencies.6") / number(flag, "frequencies.6"), 2, 1e-9);
+  const ProgramRun text = run({"timestep", "named.toml"}, false);
+  EXPECT_NE(text.out.find("steel: E = 210000 MPa, nu = 0.3, rho = 7.85e-09 t/mm³"), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("the part has a mass of 7.85e-06 kg"), std::string::npos) << text.out;
+}
+
+// A cube that stands on the four edges of its foot: what the report says where numbers have no limit.
+TEST_F(Igasolve, SaysWhereNumbersOfLinesAndPointsHaveNoLimit) {
+  write_bytes(folder / "edges.toml", R"(
+model = "cube.h5"
+material = "steel"
+[[support]]
+name = "edges"
+line = [[0.8, 0.9, 0.85], [1.8, 0.9, 0.85], [1.8, 1.9, 0.85], [0.8, 1.9, 0.85], [0.8, 0.9, 0.85]]
+[[load]]
+name = "push"
+at = [1.3, 1.4, 1.85]
+force = [0, 0, -1]
+[[probe]]
+name = "corner"
+position = [0.8, 0.9, 0.85]
+)");
+  const ProgramRun text = run({"static", "edges.toml"}, false);
+  EXPECT_EQ(text.exit_code, 0) << text.err;
+  for (const char* words : {"support 'edges' (penalty): length 4, centroid (1.3, 1.4, 0.85)", "reaction (0, 0, 1)",
+                            "no stress to rely on: within two spans of support 'edges'"})
+    EXPECT_NE(text.out.find(words), std::string::npos) << words << " in: " << text.out;
+  for (const char* words : {"support 'edges' acts along a line, which has no area", "load 'push' acts at a point"})
+    EXPECT_NE(text.err.find(words), std::string::npos) << words << " in: " << text.err;
+  const auto r = json({"static", "edges.toml"}, false);
+  EXPECT_NEAR(number(r, "statics.supports.0.length"), 4, 1e-12);
+  EXPECT_EQ(r.at("statics.probes.0.no_limit_beside"), "support 'edges'");
+  for (const char* analysis : {"eigen", "timestep"}) {
+    const ProgramRun modes = run({analysis, "edges.toml"}, false);
+    EXPECT_EQ(modes.exit_code, 0) << modes.err;
+    EXPECT_NE(modes.out.find("edges: length 4"), std::string::npos) << modes.out;
+    EXPECT_NE(modes.err.find("along a line"), std::string::npos) << modes.err;
+  }
+}
+
 struct Case {
   const char* name;
   std::vector<std::string> arguments; // material flags are added unless a run file is given
@@ -199,6 +252,18 @@ struct IgasolveRefuses : testing::TestWithParam<Case> {
     write_bytes(folder / "sliding.toml",
                 head + "[[support]]\nname = \"floor\"\nnormal.direction = [0, 0, -1]\nfixed = \"z\"\n");
     write_bytes(folder / "multipliers.toml", head + "[[support]]\nwhole_surface = true\nmethod = \"lagrange\"\n");
+    write_bytes(folder / "stele.toml", "model = \"cube.h5\"\nmaterial = \"stele\"\n");
+    write_bytes(
+        folder / "both.toml",
+        "model = \"cube.h5\"\n[material]\nname = \"steel\"\nC = [1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, "
+        "0, 1, 0, 1]\n");
+    write_bytes(folder / "metres.toml", "unit_system = \"SI\"\nmodel = \"cube.h5\"\nmaterial = \"steel\"\n");
+    TrimmedModel unknown = model;
+    unknown.length_unit = "unspecified";
+    io::write_model(folder / "unknown.h5", unknown);
+    write_bytes(folder / "no_curve.toml", head + "[[support]]\ncurve = \"edge 12\"\n");
+    write_bytes(folder / "no_patch.toml", head + "[[support]]\nname = \"heads\"\npatch = \"heads.stl\"\n");
+    write_bytes(folder / "no_bore.toml", head + "[[support]]\nname = \"pin\"\nregion = \"u+\"\nfixed = \"pinned\"\n");
     write_bytes(folder / "nowhere.toml", head + "[[support]]\nname = \"roof\"\nbox = [5, 5, 5, 6, 6, 6]\n");
     write_bytes(
         folder / "outside.toml",
@@ -270,6 +335,16 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"NoDensityForGravity", {"static", "gravity.toml"}, 2, {"rho", "acceleration"}},
         Case{"LargestWithMultipliers", {"eigen", "multipliers.toml", "--largest"}, 2, {"Lagrange multipliers"}},
         Case{"TimestepWithMultipliers", {"timestep", "multipliers.toml"}, 2, {"Lagrange multipliers"}},
+        Case{"UnknownMaterial", {"eigen", "stele.toml"}, 2, {"\"stele\"", "did you mean \"steel\"", "brass"}},
+        Case{"NameAndMatrix", {"eigen", "both.toml"}, 2, {"steel", "matrix C"}},
+        Case{"UnitsOfAnotherLength", {"eigen", "metres.toml"}, 2, {"SI", "lengths in m", "t-mm-s or kg-mm-ms"}},
+        Case{"NameWithoutALengthUnit",
+             {"eigen", "unknown.h5", "--material", "steel"},
+             2,
+             {"unknown.h5", "no length unit", "--length-unit mm"}},
+        Case{"UnknownCurve", {"static", "no_curve.toml"}, 2, {"support 1", "'edge 12'", "CAD"}},
+        Case{"MissingPatch", {"static", "no_patch.toml"}, 2, {"heads.stl"}},
+        Case{"NoCylinder", {"static", "no_bore.toml"}, 2, {"support 'pin'", "no cylinder", "flat"}},
         Case{"EmptyRegion", {"static", "nowhere.toml"}, 2, {"roof"}},
         Case{"ProbeOutside", {"static", "outside.toml"}, 2, {"far"}}),
     [](const testing::TestParamInfo<Case>& chosen) { return chosen.param.name; });

@@ -91,8 +91,9 @@ struct System {
     solve::EigenProblem p;
     p.stiffness = &K;
     p.mass = &M;
-    p.motions = solve::rigid_motions(space, solve::separate_bodies(K.pattern()));
-    p.lambda_scale = solve::lambda_scale(space, material);
+    const solve::BodySystem system(space, material);
+    p.motions = solve::rigid_motions(system, solve::separate_bodies(K.pattern()));
+    p.lambda_scale = solve::lambda_scale(system);
     return p;
   }
 

@@ -109,8 +109,122 @@ position = [1, 2, 3]
                                     LoadKind::TotalForce, LoadKind::BodyForce, LoadKind::Acceleration};
   ASSERT_EQ(run.statics.loads.size(), kinds.size());
   for (std::size_t k = 0; k < kinds.size(); ++k) EXPECT_EQ(run.statics.loads[k].kind, kinds[k]);
-  EXPECT_EQ(run.statics.loads[2].position, (Point3{1, 2, 3}));
+  EXPECT_EQ(run.statics.loads[2].place.at, (Point3{1, 2, 3}));
   EXPECT_EQ(run.statics.probes[0].name, "probe 1");
+}
+
+TEST(RunFile, HoldsLinesPointsPatchesAndCylinders) {
+  const auto run = RunFile(R"(
+[[support]]
+curve = "edge 12"
+fixed = "z"
+[[support]]
+curve = ["edge 1", "edge 2"]
+[[support]]
+line = [[0, 0, 0], [1, 0, 0], [1, 1, 0]]
+penalty_factor = 10
+[[support]]
+point = "vertex 3"
+[[support]]
+at = [1, 2, 3]
+[[support]]
+patch = "heads.stl"
+[[support]]
+patch = { file = "heads.stl", tolerance = 0.5 }
+region = "top"
+[[support]]
+region = "bore"
+fixed = "pinned"
+value = 0.1
+[[support]]
+region = "bore"
+fixed = "radial"
+method = "penalty"
+
+[[load]]
+curve = "edge 1"
+force = [1, 0, 0]
+[[load]]
+point = "vertex 1"
+force = [1, 0, 0]
+[[load]]
+region = "bore"
+bearing = [1, 2, 0]
+[[load]]
+region = "top"
+force = [1, 0, 0]
+moment = [0, 1, 0]
+remote = [5, 5, 5]
+spread = "rigid"
+[[load]]
+region = "top"
+moment = [0, 1, 0]
+[[load]]
+region = "top"
+force = [1, 0, 0]
+remote = [5, 5, 5]
+spread = "even"
+)")
+                       .read();
+  ASSERT_EQ(run.supports.size(), 9u);
+  EXPECT_EQ(run.supports[0].place.curves, std::vector<std::string>{"edge 12"});
+  EXPECT_EQ(run.supports[0].method, SupportMethod::Penalty);
+  EXPECT_EQ(run.supports[1].place.curves.size(), 2u);
+  EXPECT_EQ(run.supports[2].place.line[2], (Point3{1, 1, 0}));
+  EXPECT_EQ(run.supports[2].penalty_factor, 10);
+  EXPECT_EQ(run.supports[3].place.marker, "vertex 3");
+  EXPECT_EQ(run.supports[4].place.at, (Point3{1, 2, 3}));
+  EXPECT_EQ(run.supports[5].region.patch->file.filename(), "heads.stl");
+  EXPECT_TRUE(run.supports[5].region.patch->file.is_absolute()); // beside the run file
+  EXPECT_EQ(run.supports[5].region.patch->tolerance, std::nullopt);
+  EXPECT_EQ(run.supports[6].region.patch->tolerance, 0.5);
+  EXPECT_TRUE(run.supports[7].radial && run.supports[7].axial);
+  EXPECT_EQ(run.supports[7].value[0], 0.1);
+  EXPECT_TRUE(run.supports[8].radial && !run.supports[8].axial);
+  const std::vector<LoadKind> kinds{LoadKind::Line,   LoadKind::Point,  LoadKind::Bearing,
+                                    LoadKind::Remote, LoadKind::Remote, LoadKind::Remote};
+  const auto& loads = run.statics.loads;
+  ASSERT_EQ(loads.size(), kinds.size());
+  for (std::size_t k = 0; k < kinds.size(); ++k) EXPECT_EQ(loads[k].kind, kinds[k]);
+  EXPECT_EQ(loads[1].place.marker, "vertex 1");
+  EXPECT_EQ(loads[3].moment, (Point3{0, 1, 0}));
+  EXPECT_EQ(loads[3].remote, (Point3{5, 5, 5}));
+  EXPECT_TRUE(loads[3].rigid);
+  EXPECT_EQ(loads[4].vector, Point3{});
+  EXPECT_EQ(loads[4].remote, std::nullopt);
+  EXPECT_FALSE(loads[5].rigid);
+}
+
+TEST(RunFile, RefusesLinesPointsPatchesAndCylindersThatMakeNoSense) {
+  const std::string line = "[[support]]\nline = [[0, 0, 0], [1, 0, 0]]\n";
+  RunFile(line + "region = 1\n").expect_refused({"run.toml:3", "given together with a choice of surface"});
+  RunFile(line + "at = [0, 0, 0]\n").expect_refused({"run.toml:3", "'at'", "given together with line"});
+  RunFile(line + "fixed = \"normal\"\n").expect_refused({"run.toml:3", "no \"normal\" direction"});
+  RunFile(line + "fixed = \"pinned\"\n").expect_refused({"run.toml:3", "no \"pinned\" direction"});
+  RunFile(line + "method = \"nitsche\"\n").expect_refused({"run.toml:3", "\"penalty\" alone"});
+  RunFile("[[support]]\nline = [[0, 0, 0]]\n").expect_refused({"run.toml:2", "found 1 point"});
+  RunFile("[[support]]\nline = [[0, 0], [1, 1]]\n").expect_refused({"run.toml:2", "lists of 3 finite numbers"});
+  RunFile("[[support]]\ncurve = []\n").expect_refused({"run.toml:2", "the list is empty"});
+  RunFile("[[support]]\ncurve = 3\n").expect_refused({"run.toml:2", "the integer 3"});
+  RunFile("[[support]]\npoint = \"\"\n").expect_refused({"run.toml:2", "the name is empty"});
+  const std::string bore = "[[support]]\nregion = \"bore\"\nfixed = \"pinned\"\n";
+  RunFile(bore + "method = \"lagrange\"\n").expect_refused({"run.toml:4", "nitsche", "penalty"});
+  RunFile(bore + "gradient = [1, 2, 3, 4, 5, 6, 7, 8, 9]\n").expect_refused({"run.toml:4", "one number"});
+  RunFile(bore + "value = [1, 2, 3]\n").expect_refused({"run.toml:4", "'value'"});
+  RunFile("[[support]]\npatch = { tolerance = 1 }\n").expect_refused({"run.toml:2", "'file' in [support.patch]"});
+  RunFile("[[support]]\npatch = { file = \"a.stl\", tolerance = -1 }\n").expect_refused({"run.toml:2", "0 or more"});
+  RunFile("[[support]]\npatch = 3\n").expect_refused({"run.toml:2", "the integer 3"});
+  const std::string load = "[[load]]\nregion = 1\n";
+  RunFile(load + "pressure = 1\nmoment = [1, 0, 0]\n").expect_refused({"run.toml:4", "'moment'", "only a force"});
+  RunFile(load + "traction = [1, 0, 0]\nremote = [1, 0, 0]\n").expect_refused({"run.toml:4", "'remote'"});
+  RunFile(load + "force = [1, 0, 0]\nspread = \"rigit\"\n").expect_refused({"run.toml:4", "\"rigit\"", "\"rigid\""});
+  RunFile(load + "spread = \"even\"\n").expect_refused({"no value"});
+  RunFile(load + "bearing = [1, 0, 0]\nforce = [1, 0, 0]\n").expect_refused({"more than one value"});
+  RunFile("[[load]]\nmoment = [1, 0, 0]\n").expect_refused({"run.toml:1", "'region'", "missing"});
+  RunFile("[[load]]\nbearing = [1, 0, 0]\nat = [0, 0, 0]\n").expect_refused({"run.toml:3", "only a force acts"});
+  RunFile("[[load]]\nforce = [1, 0, 0]\nmoment = [1, 0, 0]\nat = [0, 0, 0]\n")
+      .expect_refused({"run.toml:3", "'moment'", "a force alone"});
+  RunFile("[[load]]\nforce = [1, 0, 0]\n").expect_refused({"run.toml:1", "line", "at = [x, y, z]"});
 }
 
 TEST(RunFile, RefusesWhatMakesNoSenseWithItsLine) {

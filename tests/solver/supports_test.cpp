@@ -65,7 +65,7 @@ StaticSettings all_kinds_of_loads(const TrimmedModel& model) {
   load.name = "pull";
   load.kind = LoadKind::Point;
   load.vector = {0, 0, 0.2};
-  load.position = model.grid.to_position({4, 4, 4});
+  load.place.at = model.grid.to_position({4, 4, 4});
   settings.loads.push_back(load);
   return settings;
 }

@@ -45,11 +45,15 @@ template <class Make> auto at(const std::string& where, Make make) {
 
 class Reader {
  public:
-  explicit Reader(io::SettingsTable& table) : table_(table) {
-    const auto named = table_.text("law");
-    name_ = choose("law", named.value_or("neo-hookean"), law_names());
+  Reader(io::SettingsTable& table, const std::optional<MaterialDefaults>& named) : table_(table) {
+    name_ = choose("law", table_.text("law").value_or("neo-hookean"), law_names());
     read_all_keys();
     refuse_keys_of_other_laws();
+    if (!named) return;
+    if (C_) throw InputError(fmt::format("{}: give either a name or a matrix C, not both", table_.where("name")));
+    numbers_.try_emplace("E", named->E);
+    numbers_.try_emplace("nu", named->nu);
+    numbers_.try_emplace("rho", named->rho);
   }
 
   MaterialSettings read() {
@@ -247,14 +251,14 @@ class Reader {
 } // namespace
 
 std::vector<std::string> material_keys() {
-  std::vector<std::string> keys{"law", "rho", "bulk_viscosity"};
+  std::vector<std::string> keys{"law", "name", "rho", "bulk_viscosity"};
   for (const auto& own : {elastic_keys, inversion_keys}) keys.insert(keys.end(), own.begin(), own.end());
   for (const auto& [law, own] : law_keys) keys.insert(keys.end(), own.begin(), own.end());
   return keys;
 }
 
-MaterialSettings read_material(io::SettingsTable& table) {
-  return Reader(table).read();
+MaterialSettings read_material(io::SettingsTable& table, const std::optional<MaterialDefaults>& named) {
+  return Reader(table, named).read();
 }
 
 } // namespace iga::solve

@@ -3,6 +3,7 @@
 
 #include "solver/explicit/laws/laws.hpp"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,9 +23,14 @@ struct MaterialSettings {
 /// Keys of all laws, for SettingsTable::expect_only.
 std::vector<std::string> material_keys();
 
+/// What a law takes where its table does not give it: E, nu, rho of a material by name, in the model's units.
+struct MaterialDefaults {
+  double E = 0, nu = 0, rho = 0;
+};
+
 /// Reads a table such as [material] or [bodies.material]; solver/explicit/laws/README.md lists its keys. A key of
 /// another law is refused here, one that no law has by the root table.
 /// @throws InputError "file:line: key: found this, expected that"
-MaterialSettings read_material(io::SettingsTable& table);
+MaterialSettings read_material(io::SettingsTable& table, const std::optional<MaterialDefaults>& named = std::nullopt);
 
 } // namespace iga::solve

@@ -37,6 +37,11 @@ TimedLoads::TimedLoads(const SolutionSpace& space, std::size_t body, double dens
                        const std::vector<TimedLoad>& loads)
     : space_(&space), body_(body) {
   for (const TimedLoad& timed : loads) {
+    if (timed.load.rigid)
+      throw InputError(
+          fmt::format("load '{}': explicit runs keep no region rigid; leave spread = \"rigid\" out: the force "
+                      "and the moment are spread evenly",
+                      timed.load.name));
     LoadTerms terms = assemble_loads(space, density, std::span(&timed.load, 1));
     reports_.push_back(std::move(terms.reports[0]));
     if (!timed.follows) {

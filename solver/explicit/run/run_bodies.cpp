@@ -1,10 +1,12 @@
 // [[bodies]] of a run file.
+#include "format/io/trimmed_model_io.hpp"
 #include "format/model/errors.hpp"
 #include "solver/analysis/run_settings.hpp"
 #include "solver/explicit/run/run_parts.hpp"
+#include "solver/mechanics/material_table.hpp"
+#include "solver/space/body_tables.hpp"
 
 #include <fmt/format.h>
-#include <numbers>
 
 namespace iga::solve {
 
@@ -35,33 +37,39 @@ LightTreatment read_light(io::SettingsTable& table, MassType mass) {
   return light;
 }
 
-// [bodies.place]
-Placement read_placement(io::SettingsTable&& table) {
-  Placement place;
-  place.shift = read_vector(table, "shift").value_or(Point3{});
-  place.about = read_vector(table, "about").value_or(Point3{});
-  const auto axis = read_vector(table, "axis");
-  const auto degrees = table.number("degrees");
-  if (axis.has_value() != degrees.has_value())
-    refuse(table, axis ? "axis" : "degrees", "a turn needs both axis = [x, y, z] and degrees");
-  if (axis) place.R = rotation_about(unit_vector(table, "axis", *axis), *degrees * std::numbers::pi / 180);
-  return place;
+// Numbers of bodies.material.name in the units of the model; the body's report gets their words.
+std::optional<MaterialDefaults> named_material(io::SettingsTable& table, const ExplicitRun& run, BodyRun& body) {
+  const auto name = table.text("name");
+  if (!name) return std::nullopt;
+  try {
+    const UnitSystem& units = choose_units(run.unit_system, io::read_length_unit(body.model), body.model.string());
+    const NamedMaterial found = find_material(*name, run.materials);
+    MaterialDefaults numbers{found.E / units.pascal(), found.nu, found.rho / units.kg_per_m3()};
+    body.words = MaterialWords{found.name,
+                               found.source,
+                               table.number("E").value_or(numbers.E),
+                               table.number("nu").value_or(numbers.nu),
+                               table.number("rho").value_or(numbers.rho),
+                               &units};
+    return numbers;
+  } catch (const InputError& error) {
+    refuse(table, "name", error.what());
+  }
 }
 
 BodyRun read_body(io::SettingsTable& table, const Point3& gravity, ExplicitRun& run) {
+  std::vector<std::string> names;
+  for (const BodyRun& other : run.bodies) names.push_back(other.body.name);
+  const BodyFile file = read_body_file(table, names);
   BodyRun body;
-  const auto model = table.path("model");
-  if (!model) refuse(table, "model", "missing; give a model file made by igaprep");
-  body.model = *model;
-  body.where = place_of(table, "model");
-  body.place = read_placement(table.table("place"));
-  if (!std::filesystem::exists(body.model))
-    refuse(table, "model", fmt::format("there is no file {}", body.model.string()));
+  body.model = file.model;
+  body.where = file.where;
+  body.place = file.place;
   run.inputs.push_back({body.model, table.where("model")});
   BodySettings& s = body.body;
-  s.name = read_name(table, "name", body.model.stem().string());
+  s.name = file.name;
   io::SettingsTable material = table.table("material");
-  body.material = read_material(material);
+  body.material = read_material(material, named_material(material, run, body));
   if (material.holds_text("yield_curve"))
     run.inputs.push_back({*material.path("yield_curve"), material.where("yield_curve")});
   for (const std::string& warning : body.material.warnings)
@@ -83,12 +91,7 @@ BodyRun read_body(io::SettingsTable& table, const Point3& gravity, ExplicitRun& 
 } // namespace
 
 void read_bodies(io::SettingsTable& root, const Point3& gravity, ExplicitRun& run) {
-  for (io::SettingsTable& table : root.tables("bodies")) {
-    run.bodies.push_back(read_body(table, gravity, run));
-    for (std::size_t b = 0; b + 1 < run.bodies.size(); ++b)
-      if (run.bodies[b].body.name == run.bodies.back().body.name)
-        refuse(table, "name", fmt::format("there is another body '{}'; give each a name", run.bodies[b].body.name));
-  }
+  for (io::SettingsTable& table : root.tables("bodies")) run.bodies.push_back(read_body(table, gravity, run));
 }
 
 } // namespace iga::solve

@@ -89,6 +89,9 @@ ExplicitRun read_explicit_run(const std::filesystem::path& file) {
   run.file = file;
   run.settings = root.entries();
   run.units = root.text("units");
+  run.unit_system = root.text("unit_system");
+  run.materials = root.path("materials");
+  if (run.materials) run.inputs.push_back({*run.materials, root.where("materials")});
   const Point3 gravity = read_vector(root, "gravity").value_or(Point3{});
   read_bodies(root, gravity, run);
   if (run.bodies.empty())

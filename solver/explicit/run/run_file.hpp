@@ -1,4 +1,5 @@
-// The run file of `igasolve explicit`, read and checked: everything that can be said without opening a model.
+// The run file of `igasolve explicit`, read and checked: everything that can be said without more of a model
+// than its length unit.
 #pragma once
 
 #include "format/io/settings_reader.hpp"
@@ -9,7 +10,8 @@
 #include "solver/explicit/loads/timed_loads.hpp"
 #include "solver/explicit/motion/explicit_body.hpp"
 #include "solver/explicit/motion/integrator.hpp"
-#include "solver/explicit/motion/placement.hpp"
+#include "solver/mechanics/material_table.hpp"
+#include "solver/space/placement.hpp"
 
 #include <filesystem>
 #include <optional>
@@ -22,6 +24,7 @@ struct BodyRun {
   std::filesystem::path model;
   Placement place; ///< of the model in the run
   MaterialSettings material{.law = NeoHookean{}, .inversion = {}, .name = {}, .warnings = {}};
+  std::optional<MaterialWords> words; ///< of a material by name
   BodySettings body;
   Point3 velocity{}, spin{};    ///< at the start; length/time and 1/time
   std::optional<Point3> centre; ///< that the spin turns about; the body's centre of mass where none is given
@@ -88,9 +91,11 @@ struct RunInput {
 
 struct ExplicitRun {
   std::filesystem::path file;
-  std::vector<io::SettingsEntry> settings; ///< the run file's values as written
-  std::filesystem::path output;            ///< as the run file says; may be empty
-  std::optional<std::string> units;        ///< label that must match the models' length_unit
+  std::vector<io::SettingsEntry> settings;        ///< the run file's values as written
+  std::filesystem::path output;                   ///< as the run file says; may be empty
+  std::optional<std::string> units;               ///< label that must match the models' length_unit
+  std::optional<std::string> unit_system;         ///< in which numbers of named materials are given
+  std::optional<std::filesystem::path> materials; ///< a table of named materials of the user's own
   std::vector<BodyRun> bodies;
   std::vector<RigidRun> rigid;
   std::vector<ContactRun> contacts;

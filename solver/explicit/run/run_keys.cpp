@@ -1,16 +1,16 @@
 // Every key that a run file may hold; README.md says what they mean.
 #include "solver/explicit/run/run_parts.hpp"
+#include "solver/space/body_tables.hpp"
 #include "solver/supports/read_supports.hpp"
 
 namespace iga::solve {
 
 std::vector<io::TableKeys> run_file_keys() {
   std::vector<io::TableKeys> keys{
-      {"", {"units", "gravity"}},
+      {"", {"units", "unit_system", "materials", "gravity"}},
       {"bodies",
-       {"name", "model", "mass", "light_functions", "light_threshold", "damping", "erosion_volume_ratio", "velocity",
-        "spin", "spin_centre", "edge_length"}},
-      {"bodies.place", {"shift", "about", "axis", "degrees"}},
+       {"mass", "light_functions", "light_threshold", "damping", "erosion_volume_ratio", "velocity", "spin",
+        "spin_centre", "edge_length"}},
       {"bodies.material", material_keys()},
       {"rigid_bodies",
        {"name", "shape", "radius", "normal", "axis", "height", "size", "file", "scale", "density", "centre", "motion",
@@ -30,7 +30,7 @@ std::vector<io::TableKeys> run_file_keys() {
         "support_warning", "support_limit", "inverted_warning", "inverted_limit"}},
       {"output", {"file", "interval", "field_interval", "restart_interval", "subdivide", "points", "viewer"}},
       {"stop", {"quantity", "above", "below", "after"}}};
-  for (const auto& more : {load_keys("loads"), region_keys("supports")})
+  for (const auto& more : {load_keys("loads"), region_keys("supports"), body_file_keys()})
     keys.insert(keys.end(), more.begin(), more.end());
   return keys;
 }

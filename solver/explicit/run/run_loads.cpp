@@ -6,12 +6,22 @@
 
 namespace iga::solve {
 
+namespace {
+
+// The run depends on the file of a patch.
+void note_patch(const io::SettingsTable& table, const RegionChoice& region, ExplicitRun& run) {
+  if (region.patch) run.inputs.push_back({region.patch->file, table.where("patch")});
+}
+
+} // namespace
+
 void read_timed_loads(io::SettingsTable& root, ExplicitRun& run) {
   for (io::SettingsTable& table : root.tables("loads")) {
     LoadRun load;
     load.where = place_of(table, "name");
     load.body = body_by_name(table, "body", run);
     load.load.load = read_load(table, run.loads.size() + 1);
+    note_patch(table, load.load.load.region, run);
     const bool smooth = table.boolean("smooth").value_or(false);
     if (auto factor = read_curve(table, "factor", smooth, run.inputs)) load.load.factor = std::move(*factor);
     load.load.follows = table.boolean("follows").value_or(false);
@@ -29,6 +39,7 @@ void read_driven_regions(io::SettingsTable& root, ExplicitRun& run) {
     DrivenRegion& region = support.region;
     region.name = read_name(table, "name", fmt::format("support {}", run.supports.size() + 1));
     region.region = need_region(table);
+    note_patch(table, region.region, run);
     DriveCurves drive = read_drive(table, false, run.inputs);
     region.motion = std::move(drive.along);
     region.curves_are_velocities = drive.are_velocities;

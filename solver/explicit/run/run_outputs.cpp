@@ -32,25 +32,21 @@ double size_of(const std::vector<FieldSampler>& samplers) {
 
 } // namespace
 
-std::filesystem::path fields_folder(const std::filesystem::path& results) {
-  return results.parent_path() / (results.stem().string() + "_fields");
-}
-
 RunOutputs::RunOutputs(const ExplicitScene& scene, std::filesystem::path results, Results head)
     : scene_(scene), path_(std::move(results)), folder_(path_.parent_path()), results_(std::move(head)) {
   for (std::size_t b = 0; b < scene.num_bodies(); ++b)
     samplers_.emplace_back(scene.body(b), scene.run().bodies[b].material.law, scene.run().out.subdivide);
   for (const RigidRun& rigid : scene.run().rigid)
     rigid_.push_back(shape_mesh(rigid.body.shape, 2 * size_of(samplers_)));
-  results_.fields = FieldIndex{fmt::format("{0}_fields/{0}_bodies.h5", path_.stem().string()), {}, {}};
+  results_.fields = FieldIndex{io::bodies_file(path_), {}, {}};
 }
 
 std::string RunOutputs::field_file(std::size_t step) const {
-  return fmt::format("{0}_fields/{0}_{1:04d}.h5", path_.stem().string(), step + 1);
+  return io::field_file(path_, step);
 }
 
 std::string RunOutputs::viewer_file(std::size_t step, std::size_t part) const {
-  return fmt::format("{0}_vtp/{0}_{1:04d}_{2}.vtp", path_.stem().string(), step + 1, part);
+  return io::viewer_part(path_, step, part);
 }
 
 void RunOutputs::begin() {
@@ -78,12 +74,8 @@ void RunOutputs::resume(const FieldIndex& fields, std::size_t steps) {
 
 // Fields that no list names would only confuse.
 void RunOutputs::remove_fields_after(std::size_t steps) const {
-  std::error_code ignored;
-  for (std::size_t step = steps; std::filesystem::remove(folder_ / field_file(step), ignored); ++step) {
-  }
-  for (std::size_t step = steps; std::filesystem::exists(folder_ / viewer_file(step, 0), ignored); ++step)
-    for (std::size_t part = 0; std::filesystem::remove(folder_ / viewer_file(step, part), ignored); ++part) {
-    }
+  io::remove_fields_from(path_, steps);
+  io::remove_viewer_parts_from(path_, steps);
 }
 
 void RunOutputs::add_fields() {

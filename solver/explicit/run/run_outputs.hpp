@@ -11,9 +11,6 @@
 
 namespace iga::solve {
 
-/// The folder of the fields: out.h5 → out_fields.
-std::filesystem::path fields_folder(const std::filesystem::path& results);
-
 class RunOutputs {
  public:
   /// @param results  out.h5; beside it come out_fields/, out_vtp/ and out.pvd

@@ -9,6 +9,7 @@
 #include "solver/explicit/contact/contact_surface.hpp"
 #include "solver/explicit/motion/rotational_inertia.hpp"
 #include "solver/report/model_notes.hpp"
+#include "solver/report/model_summary.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -97,6 +98,7 @@ void ExplicitScene::add_bodies() {
       const auto named = prefixed(subject, texts);
       to.insert(to.end(), named.begin(), named.end());
     };
+    if (body.words) add(findings_, {material_text(*body.words, summarise(model).volume)});
     add(findings_, model.provenance.findings);
     if (glued > 0) add(findings_, {glued_gap_ends_note(glued, model)});
     if (const auto note = gap_end_note(model)) add(findings_, {*note});
@@ -113,6 +115,8 @@ void ExplicitScene::add_loads() {
                                           std::vector{load.load});
     }));
     for (const LoadReport& report : loads_.back()->reports()) load_reports_.push_back(report);
+    const auto of_places = region_warnings(loads_.back()->reports());
+    warnings_.insert(warnings_.end(), of_places.begin(), of_places.end());
   }
   for (const SupportRun& support : run_.supports)
     supports_.push_back(at(support.where, [&] {

@@ -2,8 +2,11 @@
 // every bit.
 #include "solver/explicit/run/run_file.hpp"
 
+#include "format/io/trimmed_model_io.hpp"
 #include "format/model/errors.hpp"
 #include "solver/explicit/run/run_restart.hpp"
+#include "solver/explicit/run/run_scene.hpp"
+#include "tests/support/synthetic_model.hpp"
 #include "tests/support/temp_folder.hpp"
 
 #include <cmath>
@@ -245,6 +248,55 @@ TEST_F(RunFile, WrongSettingsAreRefusedWithTheirPlace) {
       EXPECT_NE(error.find(word), std::string::npos) << wrong.to << "\n  " << error << "\n  lacks: " << word;
   }
   EXPECT_NE(error_of("[time]\nend = 1\n").find("at least one [[bodies]]"), std::string::npos);
+}
+
+// Names of materials, and places that loads of static runs act on, in an explicit run.
+TEST_F(RunFile, TakesNamedMaterialsAndLoadsOnPlaces) {
+  TrimmedModel model = test::make_box_model(); // in mm, 1.25 … 4.75, 1.5 … 3.5, 1 … 2.6
+  test::add_places(model);                     // "edge 1" along two edges of its foot
+  io::write_model(folder_ / "box.h5", model);
+  const std::string body = "[[bodies]]\nmodel = \"box.h5\"\n", time = "[time]\nend = 1\n";
+  const std::string steel = "material = { name = \"steel\", law = \"linear-elastic\" }\n";
+  const std::string loads = "[[loads]]\ncurve = \"edge 1\"\nforce = [1, 2, 3]\n"
+                            "[[loads]]\nregion = \"u+\"\nmoment = [0, 0, 1]\n";
+  const ExplicitRun run = read("unit_system = \"kg-mm-ms\"\n" + body + steel + loads + time);
+  EXPECT_EQ(run.bodies[0].material.name, "linear-elastic");
+  EXPECT_NEAR(small_strain(run.bodies[0].material.law).density, 7.85e-6, 1e-18);
+  EXPECT_NEAR(small_strain(run.bodies[0].material.law).C(3, 3), 210 / 2.6, 1e-9);
+  const ExplicitScene scene(run);
+  ASSERT_EQ(scene.loads().size(), 2u);
+  for (std::size_t d = 0; d < 3; ++d) {
+    EXPECT_NEAR(scene.loads()[0].force[d], static_cast<double>(d + 1), 1e-12);
+    EXPECT_NEAR(scene.loads()[1].force[d], 0, 1e-12);
+    EXPECT_NEAR(scene.loads()[1].moment[d], d == 2 ? 1 : 0, 1e-12);
+  }
+  const auto has = [](const std::vector<std::string>& texts, const char* words) {
+    return std::any_of(texts.begin(), texts.end(), [&](const auto& t) { return t.find(words) != std::string::npos; });
+  };
+  EXPECT_TRUE(has(scene.findings(), "steel: E = 210 GPa, nu = 0.3, rho = 7.85e-06 kg/mm³"));
+  EXPECT_TRUE(has(scene.findings(), "the part has a mass of 8.792e-05 kg")); // 11.2 mm³
+  EXPECT_TRUE(has(scene.warnings(), "load 'load 1' acts along a line"));
+
+  const auto refused = [&](const std::string& text, const std::vector<std::string>& words) {
+    const std::string error = error_of(text);
+    for (const std::string& word : words) EXPECT_NE(error.find(word), std::string::npos) << word << " in: " << error;
+  };
+  refused(body + "material = { name = \"stele\" }\n" + time, {"run.toml:3", "'name'", "did you mean \"steel\""});
+  refused("unit_system = \"SI\"\n" + body + steel + time, {"run.toml:4", "lengths in m", "box.h5"});
+  refused(
+      body +
+          "material = { name = \"steel\", law = \"linear-elastic\", C = [1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, "
+          "1, 0, 0, 1, 0, 1] }\n" +
+          time,
+      {"run.toml:3", "matrix C"});
+  const ExplicitRun rigid =
+      read(body + steel + "[[loads]]\nregion = \"u+\"\nforce = [1, 0, 0]\nspread = \"rigid\"\n" + time);
+  try {
+    const ExplicitScene no(rigid);
+    ADD_FAILURE() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("no region rigid"), std::string::npos) << error.what();
+  }
 }
 
 // Each table in turn gets a key that it does not have, and loses everything else: the key is what is said.

@@ -2,7 +2,7 @@
 // run, hard vibrations.
 #include "format/model/vec3.hpp"
 #include "solver/explicit/motion/integrator.hpp"
-#include "solver/explicit/motion/placement.hpp"
+#include "solver/space/placement.hpp"
 #include "tests/solver/explicit/contact_scene.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "solver/explicit/motion/placement.hpp"
+#include "solver/space/placement.hpp"
 
 #include "format/model/vec3.hpp"
 

@@ -1,0 +1,30 @@
+// Stiffness of all bodies of a run with what holds them and what ties them to each other.
+#pragma once
+
+#include "solver/analysis/run_settings.hpp"
+#include "solver/base/stopwatch.hpp"
+#include "solver/mechanics/body_system.hpp"
+#include "solver/ties/tie.hpp"
+
+namespace iga::solve {
+
+struct BoundSystem {
+  StiffnessMatrix K;                     ///< with the terms of supports and ties
+  std::vector<SupportTerms> of_body;     ///< by body: its supports, in their order
+  std::vector<std::size_t> support_body; ///< by support of the run: its body
+  std::vector<RegionReport> regions;     ///< by support of the run
+  std::vector<PreparedTie> ties;
+  std::vector<TieReport> tie_reports;
+  ConstraintMatrix constraints; ///< of all bodies
+  Eigen::VectorXd load;         ///< (num_unknowns): from prescribed values
+  Eigen::VectorXd values;       ///< (constraints)
+};
+
+/// @throws InputError for supports and ties that find no surface, or several where one is meant
+BoundSystem bind_system(const BodySystem& system, const RunSettings& run, Stopwatch& watch);
+
+/// Reactions of all supports in the order of the run. @param multipliers (constraints)
+std::vector<Reaction> reactions(const BodySystem& system, const BoundSystem& bound, const Eigen::VectorXd& u,
+                                const Eigen::VectorXd& multipliers);
+
+} // namespace iga::solve
