@@ -13,6 +13,8 @@ namespace iga::solve {
 
 namespace {
 
+constexpr std::size_t most_listed = 20; // of the edges and vertices of a CAD model
+
 using io::JsonObject;
 
 std::string text_report(const std::filesystem::path& file, const TrimmedModel& m, const ModelSummary& s,
@@ -56,11 +58,14 @@ std::string text_report(const std::filesystem::path& file, const TrimmedModel& m
   if (m.surface.bodies > 0) line("bodies", "{}", m.surface.bodies);
   for (const auto& region : s.regions)
     line("  region", "{}: {} triangles, area {:.10g}", region.name, region.triangles, region.area);
-  for (std::size_t c = 0; c < m.curves.size(); ++c)
+  for (std::size_t c = 0; c < std::min(m.curves.size(), most_listed); ++c)
     line("  curve", "{}: {} points, length {:.10g}", m.curves.names[c], m.curves.points_of(c).size(),
          polyline_length(m.curves.points_of(c)));
-  for (std::size_t i = 0; i < m.markers.names.size(); ++i)
-    line("  marker", "{}: ({:.8g})", m.markers.names[i], fmt::join(m.markers.positions[i], ", "));
+  const std::vector<std::string>& markers = m.markers.names;
+  for (std::size_t i = 0; i < std::min(markers.size(), most_listed); ++i)
+    line("  marker", "{}: ({:.8g})", markers[i], fmt::join(m.markers.positions[i], ", "));
+  if (std::max(m.curves.size(), markers.size()) > most_listed)
+    line("", "… {} curves and {} markers in all: --json lists them", m.curves.size(), markers.size());
   constexpr double GiB = 1024.0 * 1024 * 1024;
   line("memory",
        "igasolve eigen needs about {:.2g} GiB, static {:.2g} GiB (estimated from {:.2g} nonzeros of the factor)",
