@@ -150,6 +150,16 @@ class SeveralBodies(unittest.TestCase):
         statics = self.report("static", ('bodies = ["plate", "base"]\nfirst = { normal = { direction = [0, 0, -1] } }\n', ""))
         self.assertAlmostEqual(statics["statics"]["ties"][0]["area"], 80, places=9)
 
+    def test_materials_by_name(self):
+        changes = [("[material]\nE = 210\nnu = 0.3\nrho = 7.8e-6", 'unit_system = "kg-mm-ms"\n[material]\nname = "steel"'),
+                   ("E = 70, nu = 0.3, rho = 2.7e-6", 'name = "aluminium"')]
+        models = self.report("static", *changes)["models"]
+        self.assertEqual([model["material"]["name"] for model in models], ["steel", "aluminium"])
+        np.testing.assert_allclose([model["material"]["E"] for model in models], [210, 70], rtol=1e-12)
+        self.assertAlmostEqual(models[0]["material"]["mass_in_kg"], 7.85e-6 * 40 * 20 * 5, places=9)
+        self.assertAlmostEqual(models[1]["material"]["mass_in_kg"], 2.7e-6 * 30 * 20 * 4, places=9)
+        self.assertIn('did you mean "aluminium"', self.refused("static", ("E = 70, nu = 0.3, rho = 2.7e-6", 'name = "alumnium"')))
+
     def test_mistakes(self):
         too_far = self.refused("static", ("shift = [20, 0, 5]", "shift = [20, 0, 6]"))
         self.assertIn("run.toml:16: tie 'weld': nothing is tied", too_far)

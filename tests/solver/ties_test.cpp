@@ -312,6 +312,52 @@ TEST(Ties, SurfaceThatTwoBodiesHaveNeedsTheBodysName) {
   EXPECT_EQ(message_of([&] { assembly.solve(settings); }), "");
 }
 
+// A line is looked for in every body, a rigid region moves with its own.
+TEST(Ties, LinesAndRigidRegionsBelongToBodies) {
+  const ElasticMaterial material = isotropic(210, poisson, 7.8e-6);
+  Assembly assembly;
+  for (const double z : {0.0, 0.5})
+    assembly.add(make_part(box({0, 0, z}, {1, 1, z + 0.5}), {2, 0.3, 0.4, 0, identity_rotation}), material);
+  assembly.run.ties = {tie_of()};
+  RegionChoice bottom = facing({0, 0, -1}), top = facing({0, 0, 1});
+  bottom.box = Box3{{0, 0, -0.1}, {1, 1, 0.1}};
+  top.box = Box3{{0, 0, 0.9}, {1, 1, 1.1}};
+  Support base = held("a", bottom), edge;
+  base.value = {};
+  base.gradient = {};
+  edge.name = "edge";
+  edge.place.line = {{0, 0, 1}, {1, 0, 1}};
+  edge.fixed = {false, true, false};
+  edge.method = SupportMethod::Penalty;
+  assembly.run.supports = {base, edge};
+  Load load;
+  load.name = "lever";
+  load.kind = LoadKind::Remote;
+  load.region = top;
+  load.vector = {0.1, 0, -0.2};
+  load.moment = {0, 0, 0.05};
+  load.remote = Point3{0.5, 0.5, 2};
+  load.rigid = true;
+  StaticSettings settings;
+  settings.loads = {load};
+  settings.probes = {{"corner", {0, 0, 1}}};
+  const StaticSolution s = assembly.solve(settings);
+  EXPECT_EQ(s.regions[1].body, "b");
+  EXPECT_NEAR(s.regions[1].length, 1, 1e-12);
+  ASSERT_EQ(s.motions.size(), 1u);
+  const RigidMotion& motion = s.motions[0].second;
+  const double work = 0.5 * (dot(load.vector, motion.displacement) + dot(load.moment, motion.rotation));
+  EXPECT_NEAR(s.result.external_work / work, 1, 1e-9);
+  EXPECT_LT(energy_defect(s.result), 1e-8);
+  for (std::size_t d = 0; d < 3; ++d) EXPECT_NEAR(s.force_balance[d], 0, 1e-9);
+  EXPECT_EQ(singular_place_near(s, "b", {0, 0, 1}), "support 'edge'");
+  EXPECT_EQ(singular_place_near(s, "a", {0, 0, 0.9}), std::nullopt);
+  ASSERT_EQ(s.warnings.size(), 1u);
+  EXPECT_HOLDS(s.warnings[0], "support 'edge' acts along a line");
+  assembly.run.supports[1].place.line = {{0, 0, 0.5}, {1, 0, 0.5}}; // where both bodies are
+  EXPECT_HOLDS(message_of([&] { assembly.solve(settings); }), "support 'edge': the bodies 'a' and 'b' all have");
+}
+
 TEST(Ties, TiesThatCannotBeRightAreRefused) {
   const ElasticMaterial material = isotropic(210, poisson, 7.8e-6);
   Assembly assembly;
