@@ -60,8 +60,8 @@ struct RunBody {
   BodyFile file; ///< without a name where the run has no [[bodies]]
   ElasticMaterial material;
   LightTreatment light;
-  bool has_density = true; ///< false: the material's density stands for none
-  MaterialWords words;     ///< about the material, for the report
+  bool has_density = true;  ///< false: the material's density stands for none
+  MaterialWords words = {}; ///< about the material, for the report
 };
 
 /// Settings that every analysis has, complete.
