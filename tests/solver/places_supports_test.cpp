@@ -197,7 +197,7 @@ TEST(Places, ForcesHaveTheirResultants) {
   const LoadReport corner = report_of(space, load);
   expect_near(corner.force, F, 1e-15);
   expect_near(corner.moment, cross(box_upper, F), 1e-13);
-  const auto warnings = region_warnings(std::vector{along, corner}, model.grid);
+  const auto warnings = region_warnings(std::vector{along, corner});
   ASSERT_EQ(warnings.size(), 2u);
   expect_words(warnings[0], {"load 'load' acts along a line", "two spans (2)"});
   expect_words(warnings[1], {"at a point"});
@@ -500,10 +500,10 @@ TEST(Patches, ChooseThePartThatTheyCover) {
     for (Point3& x : facet) x[1] += 3.5 - 2.4;
   const RegionReport half = chosen(beyond).report;
   EXPECT_NEAR(half.area, area / 2, 1e-3);
-  const auto warnings = region_warnings(half, "support 'heads'", model.grid);
+  const auto warnings = region_warnings(half, "support 'heads'");
   ASSERT_EQ(warnings.size(), 1u);
   expect_words(warnings[0], {"support 'heads': only 50 % of the patch", "tolerance"});
-  EXPECT_TRUE(region_warnings(found.report, "support 'heads'", model.grid).empty());
+  EXPECT_TRUE(region_warnings(found.report, "support 'heads'").empty());
 
   auto lifted = disc;
   for (auto& facet : lifted)
