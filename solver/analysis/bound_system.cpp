@@ -62,7 +62,7 @@ BoundSystem bind_system(const BodySystem& system, const RunSettings& run, Stopwa
   bound.K = assemble_stiffness(system, connectivity);
   watch.stage("stiffness");
   show_stage(run.progress, "supports");
-  bound.ties = prepare_ties(std::move(surfaces));
+  bound.ties = prepare_ties(system, std::move(surfaces));
   for (std::size_t b = 0; b < system.size(); ++b)
     bound.of_body.push_back(apply_supports(*system[b].space, system[b].material, supports[b], bound.K,
                                            nitsche_sides(bound.ties, b), system[b].first_node));

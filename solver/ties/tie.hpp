@@ -38,18 +38,23 @@ struct TieReport {
   std::int64_t points = 0;
 };
 
-/// Places where a cell of one body lies on a cell of the other. Both batches hold the same points in the same order:
-/// equal positions, weights and normals (outward of the first body), parameters of each body. Parameters may lie
-/// outside the cell's span by the gap: its polynomials continue there, so that no rigid motion is resisted.
+/// Places where a cell of one body lies on a cell of the other: quadrature points, as many for each triangle that the
+/// common pieces of the surfaces fall into. Their parameters may lie outside a cell's span by the gap: its polynomials
+/// continue there, so that no rigid motion is resisted.
 struct TiePair {
-  std::array<PointBatch, 2> side;
+  std::array<std::int64_t, 2> cell{};
+  std::array<std::vector<double>, 2> parameters; ///< (n × 3) of the same places, row-major, in either body's grid
+  std::vector<double> weights;                   ///< (n); area, length²
+  std::vector<Point3> normals;                   ///< (n); of the first body, outward, unit
+  std::size_t size() const { return weights.size(); }
 };
 
 /// One tie between two bodies.
 struct TieSurface {
   Tie tie;
-  std::array<std::size_t, 2> body{}; ///< of the system, the lower one first
-  std::vector<TiePair> pairs;        ///< sorted by their cells
+  std::array<std::size_t, 2> body{};   ///< of the system, the lower one first
+  std::vector<TiePair> pairs;          ///< sorted by their cells
+  std::size_t points_per_triangle = 1; ///< that follow one another
   TieReport report;
 };
 
@@ -66,10 +71,11 @@ std::vector<std::vector<std::int32_t>> coupled_nodes(const BodySystem& system, s
 /// A tie with what each side's cells bear: Nitsche's β as a support on the same points would need it.
 struct PreparedTie {
   TieSurface surface;
-  /// Side s as a support that fixes all components: its cells and, after nitsche_parameters, their β.
+  /// Side s as a support that fixes all components: its cells and, after nitsche_parameters, their β. Its points are
+  /// those of the pairs; triangles that are small beside the spans have one each, which β does not feel.
   std::array<PreparedSupport, 2> side;
 };
-std::vector<PreparedTie> prepare_ties(std::vector<TieSurface> surfaces);
+std::vector<PreparedTie> prepare_ties(const BodySystem& system, std::vector<TieSurface> surfaces);
 /// The sides of Nitsche ties that belong to a body: they draw on the same strain energy as its supports.
 std::vector<PreparedSupport*> nitsche_sides(std::span<PreparedTie> ties, std::size_t body);
 

@@ -110,6 +110,7 @@ class Matcher {
 
   double area() const { return area_; }
   double largest_gap() const { return largest_gap_; }
+  std::size_t points_per_triangle() const { return rule_.size(); }
   std::int64_t num_points() const { return static_cast<std::int64_t>(points_.size()); }
   std::vector<TiePair> pairs();
 
@@ -177,18 +178,14 @@ std::vector<TiePair> Matcher::pairs() {
   std::stable_sort(points_.begin(), points_.end(), [](const Point& x, const Point& y) { return x.cell < y.cell; });
   std::vector<TiePair> pairs;
   for (const Point& point : points_) {
-    if (pairs.empty() || pairs.back().side[0].cell != point.cell[0] || pairs.back().side[1].cell != point.cell[1]) {
-      pairs.emplace_back();
-      for (std::size_t s = 0; s < 2; ++s) pairs.back().side[s].cell = point.cell[s];
-    }
+    if (pairs.empty() || pairs.back().cell != point.cell) pairs.emplace_back().cell = point.cell;
+    TiePair& pair = pairs.back();
     for (std::size_t s = 0; s < 2; ++s) {
-      PointBatch& batch = pairs.back().side[s];
       const Point3 u = sides_[s]->model.grid.to_parameter(point.position);
-      batch.parameters.insert(batch.parameters.end(), u.begin(), u.end());
-      batch.weights.push_back(point.weight);
-      batch.normals.push_back(point.normal);
-      batch.positions.push_back(point.position);
+      pair.parameters[s].insert(pair.parameters[s].end(), u.begin(), u.end());
     }
+    pair.weights.push_back(point.weight);
+    pair.normals.push_back(point.normal);
   }
   return pairs;
 }
@@ -236,7 +233,8 @@ class TieFinder {
       matcher.run(what_);
       if (!(matcher.area() > 0)) continue;
       need_short_continuation(candidate, tolerance);
-      found.push_back({tie_, candidate.body, matcher.pairs(), report_of(candidate, matcher, tolerance)});
+      found.push_back({tie_, candidate.body, matcher.pairs(), matcher.points_per_triangle(),
+                       report_of(candidate, matcher, tolerance)});
     }
     if (found.size() == before) refuse_nothing();
   }

@@ -228,19 +228,18 @@ TEST(Ties, ATiedPairHasSixRigidMotionsAndAnUntiedOneTwelve) {
     EXPECT_LT(std::abs(tied.outcome.modes.lambda[m]), 1e-9 * tied.omega[0] * tied.omega[0]);
 }
 
+// The uncut block's own error is 8e-6 … 1.4e-3 in these modes.
 TEST(Ties, APartCutInTwoAndTiedHasTheFrequenciesOfTheWhole) {
   const ElasticMaterial material = isotropic(1, poisson, 1);
-  Assembly whole, halves, uncut;
-  whole.add(make_part(box({0, 0, 0}, {2, 0.6, 0.5}), {3, 0.3, 0.3, 6, rotation(10, 20)}), material);
+  Assembly whole, halves;
+  whole.add(make_part(box({0, 0, 0}, {2, 0.6, 0.5}), {2, 0.2, 0.3, 4, rotation(10, 20)}), material);
   halves.add(make_part(box({0, 0, 0}, {0.9, 0.6, 0.5}), {2, 0.2, 0.3, 4, rotation(10, 20)}), material);
   halves.add(make_part(box({0.9, 0, 0}, {2, 0.6, 0.5}), {2, 0.18, 0.1, 4, rotation(30, 5)}), material);
   halves.run.ties = {tie_of()};
-  uncut.add(make_part(box({0, 0, 0}, {2, 0.6, 0.5}), {2, 0.2, 0.3, 4, rotation(10, 20)}), material);
-  const Free one = free_modes(whole, 6), two = free_modes(halves, 6), coarse = free_modes(uncut, 6);
+  const Free one = free_modes(whole, 6), two = free_modes(halves, 6);
   for (std::size_t m = 0; m < 6; ++m) {
-    const double error = two.omega[m] / one.omega[m] - 1, usual_error = coarse.omega[m] / one.omega[m] - 1;
-    std::printf("  mode %zu: %.6f, tied %+.1e, uncut %+.1e\n", m, one.omega[m], error, usual_error);
-    EXPECT_LT(std::abs(error), 2 * std::abs(usual_error) + 1e-4);
+    std::printf("  mode %zu: %.6f, tied %+.1e\n", m, one.omega[m], two.omega[m] / one.omega[m] - 1);
+    EXPECT_NEAR(two.omega[m] / one.omega[m], 1, 5e-4);
   }
 }
 
