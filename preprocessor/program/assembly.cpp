@@ -114,10 +114,12 @@ std::string run_text(const Settings& s, const std::vector<Member>& members, cons
       "#   igasolve eigen run.toml --modes 10 -o modes.h5\n#   igasolve static run.toml -o static.h5\n",
       s.input.filename().string());
   if (length_unit != "unspecified") text += fmt::format("units = {}\n", quoted(length_unit));
-  text += "#material = \"steel\"   # of all bodies that have none of their own\n\n"
-          "# Surfaces that touch move together only where a tie joins them; this one joins all that meet. bodies = [\"a\", \"b\"],\n"
-          "# first and second choose some, tolerance (a length) is the largest gap: 1 % of a span where it is not given.\n"
-          "#[[ties]]\n";
+  text +=
+      "#material = \"steel\"   # of all bodies that have none of their own\n\n"
+      "# Surfaces that touch move together only where a tie joins them; this one joins all that meet. bodies = [\"a\", "
+      "\"b\"],\n"
+      "# first and second choose some, tolerance (a length) is the largest gap: 1 % of a span where it is not given.\n"
+      "#[[ties]]\n";
   for (const Member& member : members)
     for (const CadPlace& place : member.places) {
       text += fmt::format("\n[[bodies]]\nname = {}\nmodel = {}\n", quoted(place.name), quoted(member.file));
