@@ -92,10 +92,11 @@ class ModesRun:
         return size
 
     def chord(self, size):
-        """One surface for all grids: the facets that the fourth grid would want."""
+        """One surface for all grids, the finer the smaller the tolerance: a thousandth of the first span at one per cent."""
         name = str(self.options.part).lower()
         is_cad = name.endswith((".step", ".stp", ".iges", ".igs", ".brep", ".brp"))
-        return ["--chord", 1e-3 * size / REFINEMENT**3] if is_cad else []
+        finer = min(1.0, max(0.1, (self.options.tolerance or 0.01) / 0.01))
+        return ["--chord", 1e-3 * size * finer] if is_cad else []
 
     def solve(self, size, chord):
         o, number = self.options, len(self.grids) + 1
