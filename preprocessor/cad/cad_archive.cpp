@@ -32,7 +32,7 @@ void fields(auto& archive, CadOverlap& o) {
   archive(o.first, o.second, o.volume);
 }
 void fields(auto& archive, CadModel& m) {
-  archive(m.format, m.length_unit, m.file_unit, m.solids, m.overlaps, m.findings, m.warnings);
+  archive(m.format, m.sha256, m.length_unit, m.file_unit, m.solids, m.overlaps, m.findings, m.warnings);
 }
 void fields(auto& archive, CadOptions& o) {
   archive(o.chord, o.chord_share, o.scale, o.length_unit, o.sew, o.merge, o.tessellate, o.overlaps);

@@ -71,6 +71,7 @@ struct CadOverlap {
 struct CadModel {
   std::string format;      ///< "STEP", "IGES", "BREP"
   std::string length_unit; ///< of all numbers here; "unspecified" where the file tells none
+  std::string sha256;      ///< of the file's bytes
   std::string file_unit;   ///< the one that the file was written in
   std::vector<CadSolid> solids;
   std::vector<CadOverlap> overlaps;

@@ -1,6 +1,7 @@
 #include "preprocessor/program/assembly.hpp"
 
 #include "format/io/interrupt.hpp"
+#include "format/io/json_text.hpp"
 #include "format/io/replace_file.hpp"
 #include "format/model/errors.hpp"
 #include "preprocessor/surface/surface_bodies.hpp"
@@ -53,7 +54,7 @@ std::vector<Member> members_of_cad(const Settings& s) {
 
 std::vector<Member> members_of_surface(const Settings& s) {
   ReadMesh read = read_mesh(s.input, s.scale);
-  const ReadMesh head = {{}, {}, read.format, read.file, read.sha256, {}};
+  const ReadMesh head = without_facets(read);
   const PreparedSurface surface = prepare_surface(std::move(read), s.surface);
   auto bodies = std::make_shared<std::vector<TriangleMesh>>(split_into_bodies(surface.mesh));
   std::vector<Member> members;
@@ -71,15 +72,6 @@ std::vector<Member> members_of_surface(const Settings& s) {
                        }});
   }
   return members;
-}
-
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') out += '\\';
-    out += c;
-  }
-  return out + "\"";
 }
 
 // Axis and angle (degrees) of a rotation.
@@ -108,12 +100,13 @@ std::string place_text(const CadPlace& place) {
   return text + " }\n";
 }
 
+// Texts are quoted as in JSON, which TOML reads alike.
 std::string run_text(const Settings& s, const std::vector<Member>& members, const std::string& length_unit) {
   std::string text = fmt::format(
       "# Made by igaprep from {}: a body for each solid. Give every body its material, add supports and loads, then\n"
       "#   igasolve eigen run.toml --modes 10 -o modes.h5\n#   igasolve static run.toml -o static.h5\n",
       s.input.filename().string());
-  if (length_unit != "unspecified") text += fmt::format("units = {}\n", quoted(length_unit));
+  if (length_unit != "unspecified") text += fmt::format("units = {}\n", io::json(length_unit));
   text +=
       "#material = \"steel\"   # of all bodies that have none of their own\n\n"
       "# Surfaces that touch move together only where a tie joins them; this one joins all that meet. bodies = [\"a\", "
@@ -122,7 +115,7 @@ std::string run_text(const Settings& s, const std::vector<Member>& members, cons
       "#[[ties]]\n";
   for (const Member& member : members)
     for (const CadPlace& place : member.places) {
-      text += fmt::format("\n[[bodies]]\nname = {}\nmodel = {}\n", quoted(place.name), quoted(member.file));
+      text += fmt::format("\n[[bodies]]\nname = {}\nmodel = {}\n", io::json(place.name), io::json(member.file));
       text += place_text(place);
       text += "#material = { name = \"steel\" }   # or { E = …, nu = …, rho = … }\n";
     }
@@ -159,7 +152,10 @@ AssemblyReport run_assembly(const Settings& s, const RunInfo& run, io::Progress&
   report.run_file_kept = fs::exists(report.run_file);
   if (!report.run_file_kept) {
     io::ReplacementFile file(report.run_file);
-    std::ofstream(file.path()) << run_text(s, members, report.models.front().length_unit);
+    std::ofstream text(file.path());
+    text << run_text(s, members, report.models.front().length_unit);
+    text.close();
+    if (!text) throw InputError(fmt::format("{}: cannot be written; is the disk full?", report.run_file.string()));
     file.commit();
   }
   return report;

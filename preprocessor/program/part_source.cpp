@@ -1,7 +1,7 @@
 #include "preprocessor/program/part_source.hpp"
 
-#include "format/io/sha256.hpp"
 #include "format/model/errors.hpp"
+#include "format/model/vec3.hpp"
 #include "preprocessor/cad/cad_format.hpp"
 #include "preprocessor/cad/run_cad_reader.hpp"
 
@@ -17,7 +17,6 @@ namespace iga::prep {
 namespace {
 
 constexpr double chord_per_span = 1e-3;
-constexpr double default_spans = 20; // of the longest side, as make_grid has it
 // Facets whose volume differs by more than this from that of the exact faces are warned of.
 constexpr double warned_volume_share = 5e-3;
 
@@ -31,19 +30,13 @@ CadOptions cad_options(const Settings& s) {
   const GridOptions& grid = s.grid;
   if (s.cad.chord) {
     options.chord = *s.cad.chord;
-  } else if (!grid.span_size.empty()) {
-    options.chord = chord_per_span * *std::min_element(grid.span_size.begin(), grid.span_size.end());
-  } else if (grid.box && !grid.spans.empty()) {
-    double size = 0;
-    for (std::size_t d = 0; d < 3; ++d) size = std::max(size, (*grid.box)[1][d] - (*grid.box)[0][d]);
-    options.chord =
-        chord_per_span * size / static_cast<double>(*std::max_element(grid.spans.begin(), grid.spans.end()));
-  } else {
-    const double spans = grid.spans.empty()
-                             ? default_spans
-                             : static_cast<double>(*std::max_element(grid.spans.begin(), grid.spans.end()));
-    options.chord_share = chord_per_span / spans;
+    return options;
   }
+  // The sides of the part are not known yet: a share of its longest one then, as of a cube.
+  const bool known = grid.box || !grid.span_size.empty();
+  const Point3 sides = grid.box ? minus((*grid.box)[1], (*grid.box)[0]) : Point3{1, 1, 1};
+  const Point3 h = wanted_size(grid, sides);
+  (known ? options.chord : options.chord_share) = chord_per_span * *std::min_element(h.begin(), h.end());
   return options;
 }
 
@@ -101,7 +94,7 @@ Part part_of(const CadModel& cad, const CadSolid& solid, const std::filesystem::
   part.read.mesh = solid.mesh;
   part.read.format = cad.solids.size() > 1 ? fmt::format("{}, solid \"{}\"", cad.format, solid.name) : cad.format;
   part.read.file = file.string();
-  part.read.sha256 = io::sha256_file(file);
+  part.read.sha256 = cad.sha256;
   part.length_unit = cad.length_unit;
   part.findings = cad.findings;
   part.warnings = cad.warnings;

@@ -200,11 +200,6 @@ Provenance provenance_of(const Settings& s, const RunInfo& run, const std::strin
   return p;
 }
 
-// What a part was read from, without its facets.
-ReadMesh without_facets(const ReadMesh& read) {
-  return {{}, {}, read.format, read.file, read.sha256, {}};
-}
-
 // The part of the input file: triangles, or the solid that the settings choose.
 Part read_part(const Settings& s) {
   if (is_cad_file(s.input)) {

@@ -74,6 +74,10 @@ ReadMesh read_polygon_bytes(std::string_view bytes, const std::string& format, c
 
 } // namespace
 
+ReadMesh without_facets(const ReadMesh& read) {
+  return {{}, {}, read.format, read.file, read.sha256, {}};
+}
+
 ReadMesh read_mesh_bytes(std::string_view bytes, const std::filesystem::path& file, double scale) {
   if (!(scale > 0) || !std::isfinite(scale))
     throw InputError(fmt::format("scale is {}; it must be a positive number", scale));

@@ -19,6 +19,9 @@ struct ReadMesh {
   std::vector<std::string> notes;    ///< oddities that were tolerated, one sentence each
 };
 
+/// What a surface was read from, without its facets and notes.
+ReadMesh without_facets(const ReadMesh& read);
+
 /// The format is told by the first bytes, by the name's ending where they do not tell.
 /// @param scale  factor on all coordinates, > 0
 /// @throws InputError for a missing, empty, truncated, damaged or foreign file, with the line where it is text

@@ -44,18 +44,6 @@ Box3 local_box(const TriangleMesh& mesh, const Rotation& R, const Point3& origin
   return box;
 }
 
-// Span size per direction for a body of the given sides.
-Point3 wanted_size(const GridOptions& options, const Point3& sides) {
-  const auto cubic = [](double h) { return Point3{h, h, h}; };
-  if (options.span_size.size() == 3) return {options.span_size[0], options.span_size[1], options.span_size[2]};
-  if (options.span_size.size() == 1) return cubic(options.span_size[0]);
-  if (options.spans.size() == 1) return cubic(longest(sides) / static_cast<double>(options.spans[0]));
-  if (options.spans.empty()) return cubic(longest(sides) / default_spans);
-  Point3 h;
-  for (std::size_t d = 0; d < 3; ++d) h[d] = sides[d] / static_cast<double>(options.spans[d]);
-  return h;
-}
-
 // Refuses a grid whose states (one byte per span) and knots cannot be held, before anything is allocated.
 void check_memory(const Point3& counts) {
   const double total = counts[0] * counts[1] * counts[2];
@@ -134,6 +122,17 @@ GridChoice grid_in_box(const TriangleMesh& mesh, const GridOptions& options) {
 }
 
 } // namespace
+
+Point3 wanted_size(const GridOptions& options, const Point3& sides) {
+  const auto cubic = [](double h) { return Point3{h, h, h}; };
+  if (options.span_size.size() == 3) return {options.span_size[0], options.span_size[1], options.span_size[2]};
+  if (options.span_size.size() == 1) return cubic(options.span_size[0]);
+  if (options.spans.size() == 1) return cubic(longest(sides) / static_cast<double>(options.spans[0]));
+  if (options.spans.empty()) return cubic(longest(sides) / default_spans);
+  Point3 h;
+  for (std::size_t d = 0; d < 3; ++d) h[d] = sides[d] / static_cast<double>(options.spans[d]);
+  return h;
+}
 
 void check_options(const GridOptions& options) {
   if (!options.spans.empty() && !options.span_size.empty())

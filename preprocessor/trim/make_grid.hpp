@@ -41,6 +41,9 @@ struct GridChoice {
 /// contradict each other
 void check_options(const GridOptions& options);
 
+/// Span size per direction that the options ask for, around a part or in a box of the given sides, length.
+Point3 wanted_size(const GridOptions& options, const Point3& sides);
+
 /// Grid after the options. Without a box: `span_size` is kept exactly and the part's box, centred, is rounded up to
 /// whole spans; `spans` counts spans across the part; neither: a twentieth of the longest side. With a box: no margin,
 /// a size that does not divide it is adjusted. A part that is a whole number of spans up to `whole_span_tolerance` gets

@@ -13,7 +13,8 @@ import unittest
 from pathlib import Path
 
 ROOT, IGAPREP, IGASOLVE, MAKE_CAD_PARTS = sys.argv[1:5]
-sys.path.insert(0, str(Path(ROOT) / "scripts"))
+sys.path[:0] = [str(Path(ROOT) / "scripts"), str(Path(ROOT) / "tests/scripts")]
+import parts  # noqa: E402
 from igatools.iga_model import read  # noqa: E402
 
 
@@ -107,14 +108,7 @@ class CadFiles(unittest.TestCase):
 
     def test_bodies_of_an_stl(self):
         stl = self.folder / "two.stl"
-        with open(stl, "w") as file:
-            file.write("solid two\n")
-            for x in (0, 15):
-                for facet in box_facets(x):
-                    file.write("facet normal 0 0 0\nouter loop\n")
-                    file.writelines(f"vertex {a} {b} {c}\n" for a, b, c in facet)
-                    file.write("endloop\nendfacet\n")
-            file.write("endsolid two\n")
+        parts.write_boxes(stl, [((x, 0, 0), (x + 10, 10, 10)) for x in (0, 15)])
         self.igaprep(stl, "-o", "two/", "--span-size", 3)
         for body in ("body_1", "body_2"):
             model = read(self.folder / "two" / f"{body}.h5")
@@ -139,14 +133,6 @@ class CadFiles(unittest.TestCase):
         program = shutil.copy(IGAPREP, alone)
         run = self.igaprep("box.step", "--list", code=2, program=program)
         self.assertIn("built without OpenCASCADE", run.stderr)
-
-
-def box_facets(x):
-    corner = [(x + 10 * (k & 1), 10 * (k >> 1 & 1), 10 * (k >> 2)) for k in range(8)]
-    quads = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
-    for a, b, c, d in quads:
-        yield corner[a], corner[b], corner[c]
-        yield corner[a], corner[c], corner[d]
 
 
 if __name__ == "__main__":

@@ -13,6 +13,7 @@ import numpy as np
 
 ROOT, IGAPREP, IGASOLVE = sys.argv[1:4]
 sys.path.insert(0, str(Path(ROOT) / "scripts"))
+import parts  # noqa: E402
 from igatools.driver import estimate  # noqa: E402
 
 
@@ -129,7 +130,7 @@ class Runs(unittest.TestCase):
         """Bar of 40 x 10 x 8, free: estimates hold beside a fine grid, the tolerance is reached."""
         with tempfile.TemporaryDirectory() as folder:
             bar = Path(folder) / "bar.stl"
-            write_box(bar, (40, 10, 8))
+            parts.write_boxes(bar, [((0, 0, 0), (40, 10, 8))])
             material = ("--E", 210e3, "--nu", 0.3, "--rho", 7.85e-9, "--length-unit", "mm")
             report, _ = self.iga("modes", bar, *material, "--modes", 4, "--tolerance", "0.1%")
             self.assertTrue(report["reached"])
@@ -149,18 +150,6 @@ class Runs(unittest.TestCase):
         self.assertIn("--material", done.stderr)
         _, done = self.iga("modes", "missing.stl", "--E", 1, "--tolerance", "150%", code=2)
         self.assertIn("expected a share", done.stderr)
-
-
-def write_box(path, sides):
-    corner = [tuple(s * (k >> d & 1) for d, s in enumerate(sides)) for k in range(8)]
-    with open(path, "w") as file:
-        file.write("solid box\n")
-        for a, b, c, d in [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]:
-            for facet in ((a, b, c), (a, c, d)):
-                file.write("facet normal 0 0 0\nouter loop\n")
-                file.writelines("vertex {} {} {}\n".format(*corner[k]) for k in facet)
-                file.write("endloop\nendfacet\n")
-        file.write("endsolid box\n")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 #include "preprocessor/cad/occt/load_shapes.hpp"
 
 #include "format/io/file_bytes.hpp"
+#include "format/io/sha256.hpp"
 #include "format/model/errors.hpp"
 #include "preprocessor/cad/cad_format.hpp"
 
@@ -49,7 +50,6 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <set>
 
 namespace iga::prep {
 
@@ -61,7 +61,7 @@ constexpr std::array<std::pair<const char*, double>, 6> units{
 // Keeps what OpenCASCADE says of errors instead of printing it.
 class Listener : public Message_Printer {
  public:
-  std::vector<std::string> errors;
+  mutable std::vector<std::string> errors; // OpenCASCADE's printers are constant
 
  protected:
   void send(const TCollection_AsciiString& text, const Message_Gravity gravity) const override {
@@ -70,7 +70,7 @@ class Listener : public Message_Printer {
     std::replace(line.begin(), line.end(), '\n', ' ');
     while (!line.empty() && (line.back() == ' ' || line.back() == '*')) line.pop_back();
     while (!line.empty() && (line.front() == ' ' || line.front() == '*')) line.erase(0, 1);
-    const_cast<Listener*>(this)->errors.push_back(line);
+    errors.push_back(line);
   }
 };
 
@@ -422,25 +422,20 @@ class Loader {
 
   // Solids and instances without a name get a number; equal names get one behind.
   void number_names() {
-    std::map<std::string, int> used;
-    const auto unique = [&](std::string name) {
-      const int times = ++used[name];
-      return times == 1 ? name : fmt::format("{} ({})", name, times);
-    };
+    UniqueNames solids, instances;
     int number = 0;
     for (LoadedSolid& solid : out_.solids) {
       ++number;
-      solid.name = unique(solid.name.empty() ? fmt::format("solid {}", number) : solid.name);
+      solid.name = solids(solid.name.empty() ? fmt::format("solid {}", number) : solid.name);
     }
-    used.clear();
     for (LoadedSolid& solid : out_.solids) {
       int place = 0;
       for (auto& [instance, trsf] : solid.places) {
         ++place;
         if (solid.places.size() == 1)
-          instance = unique(solid.name);
+          instance = instances(solid.name);
         else
-          instance = unique(is_given(instance) ? instance : fmt::format("{} {}", solid.name, place));
+          instance = instances(is_given(instance) ? instance : fmt::format("{} {}", solid.name, place));
       }
     }
   }
@@ -465,6 +460,12 @@ class Loader {
 
 } // namespace
 
+std::string UniqueNames::operator()(const std::string& name) {
+  std::string unique = name;
+  for (int times = 2; !used_.insert(unique).second; ++times) unique = fmt::format("{} ({})", name, times);
+  return unique;
+}
+
 std::string unit_of_millimetres(double millimetres) {
   for (const auto& [name, value] : units)
     if (std::abs(value - millimetres) <= 1e-12 * value) return name;
@@ -478,9 +479,12 @@ double millimetres_of(const std::string& unit) {
 }
 
 LoadedCad load_shapes(const std::filesystem::path& file, double sew) {
-  const std::optional<CadFormat> format = cad_format(io::read_bytes(file, "a STEP, IGES or BREP file"), file);
+  const std::string bytes = io::read_bytes(file, "a STEP, IGES or BREP file");
+  const std::optional<CadFormat> format = cad_format(bytes, file);
   if (!format) throw InputError(fmt::format("{}: this is no STEP, IGES or BREP file", file.string()));
-  return Loader(file, sew).run(*format);
+  LoadedCad cad = Loader(file, sew).run(*format);
+  cad.sha256 = io::sha256_bytes(bytes.data(), bytes.size());
+  return cad;
 }
 
 } // namespace iga::prep

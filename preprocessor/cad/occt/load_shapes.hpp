@@ -8,12 +8,22 @@
 #include <filesystem>
 #include <gp_Trsf.hxx>
 #include <map>
+#include <set>
 
 namespace iga::prep {
 
 /// Text and colour that a file gives to a face, edge or vertex.
 struct ShapeLabel {
   std::string name, colour;
+};
+
+/// Makes names unique: "bolt", "bolt (2)".
+class UniqueNames {
+ public:
+  std::string operator()(const std::string& name);
+
+ private:
+  std::set<std::string> used_;
 };
 
 /// A solid in its own frame and where it stands.
@@ -24,6 +34,7 @@ struct LoadedSolid {
 };
 
 struct LoadedCad {
+  std::string sha256;            ///< of the file's bytes
   std::string format, file_unit; ///< "mm", "in", …; "unspecified"
   double millimetres = 1;        ///< of file_unit; shapes are in millimetres, or in the file's unit where it tells none
   std::vector<LoadedSolid> solids;

@@ -7,9 +7,7 @@
 #include <BRepAlgoAPI_Fuse.hxx>
 #include <BRepBndLib.hxx>
 #include <BRepBuilderAPI_Transform.hxx>
-#include <BRepGProp.hxx>
 #include <Bnd_Box.hxx>
-#include <GProp_GProps.hxx>
 #include <TopExp.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopTools_ListOfShape.hxx>
@@ -26,12 +24,6 @@ bool is_identity(const gp_Trsf& place) {
 }
 bool is_rigid(const gp_Trsf& place) {
   return std::abs(place.ScaleFactor() - 1) < 1e-12 && !place.IsNegative();
-}
-
-double volume_of(const TopoDS_Shape& shape) {
-  GProp_GProps properties;
-  BRepGProp::VolumeProperties(shape, properties);
-  return properties.Mass();
 }
 
 // Labels follow the faces, edges and vertices of `before` through a change of the shape.
@@ -87,7 +79,7 @@ std::size_t count_places(const LoadedCad& cad) {
 }
 
 // One solid instead of all.
-void merge(LoadedCad& cad, const std::string& file) {
+void merge(LoadedCad& cad, const std::string& file, double length) {
   const std::size_t count = count_places(cad);
   if (count < 2) return;
   TopTools_ListOfShape first, others;
@@ -118,11 +110,10 @@ void merge(LoadedCad& cad, const std::string& file) {
   for (const TopoDS_Shape& solid : all)
     carry_labels(cad, solid, [&](const TopoDS_Shape& part) { return fuse.Modified(part); });
   double before = 0;
-  for (const TopoDS_Shape& solid : all) before += volume_of(solid);
-  const double after = volume_of(solids(1));
-  const double cube = std::pow(cad.millimetres, 3);
-  cad.findings.push_back(
-      fmt::format("{} solids were united to one: volume {:.8g} became {:.8g}", count, before / cube, after / cube));
+  for (const TopoDS_Shape& solid : all) before += exact_volume(solid);
+  const double cube = std::pow(length, 3);
+  cad.findings.push_back(fmt::format("{} solids were united to one: volume {:.8g} became {:.8g}", count, before * cube,
+                                     exact_volume(solids(1)) * cube));
   cad.solids = {{solids(1), "united", "", {{"united", gp_Trsf()}}}};
 }
 
@@ -138,17 +129,18 @@ CadPlace place_of(const std::string& name, const gp_Trsf& trsf, double length) {
   return place;
 }
 
-// Pairs of instances with a common volume that is more than rounding.
-std::vector<CadOverlap> find_overlaps(LoadedCad& cad, double length) {
+// Pairs of instances with a common volume that is more than rounding; `solids` are those of `cad`, tessellated.
+std::vector<CadOverlap> find_overlaps(LoadedCad& cad, const std::vector<CadSolid>& solids, double length) {
   struct Instance {
     std::string name;
     TopoDS_Shape shape;
+    double volume = 0; ///< in the units of the model
     Bnd_Box box;
   };
   std::vector<Instance> all;
-  for (const LoadedSolid& solid : cad.solids)
-    for (const auto& [name, place] : solid.places) {
-      all.push_back({name, placed(cad, solid.shape, place), {}});
+  for (std::size_t k = 0; k < solids.size(); ++k)
+    for (const auto& [name, place] : cad.solids[k].places) {
+      all.push_back({name, placed(cad, cad.solids[k].shape, place), solids[k].volume, {}});
       BRepBndLib::Add(all.back().shape, all.back().box);
     }
   std::vector<CadOverlap> overlaps;
@@ -157,9 +149,9 @@ std::vector<CadOverlap> find_overlaps(LoadedCad& cad, double length) {
       if (all[a].box.IsOut(all[b].box)) continue;
       BRepAlgoAPI_Common common(all[a].shape, all[b].shape);
       if (!common.IsDone() || common.Shape().IsNull()) continue;
-      const double shared = volume_of(common.Shape());
-      if (shared > 1e-6 * std::min(volume_of(all[a].shape), volume_of(all[b].shape)))
-        overlaps.push_back({all[a].name, all[b].name, shared * std::pow(length, 3)});
+      const double shared = exact_volume(common.Shape()) * std::pow(length, 3);
+      if (shared > 1e-6 * std::min(all[a].volume, all[b].volume))
+        overlaps.push_back({all[a].name, all[b].name, shared});
     }
   return overlaps;
 }
@@ -170,6 +162,7 @@ CadModel read_cad(const std::filesystem::path& file, const CadOptions& options) 
   LoadedCad cad = load_shapes(file, options.sew);
   CadModel model;
   model.format = cad.format;
+  model.sha256 = cad.sha256;
   model.file_unit = cad.file_unit;
   // Shapes are in millimetres, in the file's own unit where it tells none.
   double unit = cad.millimetres;
@@ -187,8 +180,7 @@ CadModel read_cad(const std::filesystem::path& file, const CadOptions& options) 
   }
   const double length = options.scale / unit;
   settle_places(cad);
-  if (options.merge) merge(cad, file.string());
-  if (options.overlaps) model.overlaps = find_overlaps(cad, length);
+  if (options.merge) merge(cad, file.string(), length);
   for (const LoadedSolid& solid : cad.solids) {
     const double chord = !options.tessellate ? 0
                          : options.chord > 0 ? options.chord / length
@@ -197,6 +189,7 @@ CadModel read_cad(const std::filesystem::path& file, const CadOptions& options) 
     for (const auto& [name, place] : solid.places) out.places.push_back(place_of(name, place, length));
     model.solids.push_back(std::move(out));
   }
+  if (options.overlaps) model.overlaps = find_overlaps(cad, model.solids, length);
   model.findings = std::move(cad.findings);
   model.warnings = std::move(cad.warnings);
   return model;

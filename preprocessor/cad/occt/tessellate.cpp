@@ -33,7 +33,6 @@
 #include <gp_Sphere.hxx>
 #include <gp_Torus.hxx>
 #include <map>
-#include <set>
 
 namespace iga::prep {
 
@@ -58,13 +57,7 @@ class Namer {
   Namer(const LoadedCad& cad, const char* word) : cad_(cad), word_(word) {}
   std::string operator()(const TopoDS_Shape& part, int number) {
     const ShapeLabel* label = find(part);
-    std::string name = label ? label->name : "";
-    if (name.empty()) name = fmt::format("{} {}", word_, number);
-    for (int times = 2; !used_.insert(name).second; ++times) {
-      const auto bracket = times == 2 ? std::string::npos : name.rfind(" (");
-      name = fmt::format("{} ({})", name.substr(0, bracket), times);
-    }
-    return name;
+    return unique_(label && !label->name.empty() ? label->name : fmt::format("{} {}", word_, number));
   }
   std::string colour(const TopoDS_Shape& part) const {
     const ShapeLabel* label = find(part);
@@ -78,7 +71,7 @@ class Namer {
   }
   const LoadedCad& cad_;
   const char* word_;
-  std::set<std::string> used_;
+  UniqueNames unique_;
 };
 
 CadFace describe(const TopoDS_Face& face, double length) {
@@ -439,6 +432,12 @@ class Facets {
 };
 
 } // namespace
+
+double exact_volume(const TopoDS_Shape& shape) {
+  GProp_GProps properties;
+  BRepGProp::VolumeProperties(shape, properties, integration_error);
+  return properties.Mass();
+}
 
 double longest_side(const TopoDS_Shape& shape) {
   Bnd_Box box;

@@ -15,6 +15,9 @@ namespace iga::prep {
 CadSolid tessellate(const LoadedCad& cad, const LoadedSolid& solid, double chord, double length,
                     const std::string& file);
 
+/// Exact volume in the unit of the shapes, cubed. OpenCASCADE's fixed rule would be off by 4e-4 where bores meet.
+double exact_volume(const TopoDS_Shape& shape);
+
 /// Longest side of the box around a solid, in the unit of the shapes.
 double longest_side(const TopoDS_Shape& shape);
 

@@ -22,7 +22,6 @@ class Estimate:
     """Of one quantity on the finest grid."""
     error: float | None      # relative, without sign; None: not told (no partner on the grid before)
     order: float | None = None  # observed, from three grids; only shown
-    grids: int = 0           # that it rests on
 
 
 def relative_error(sizes, values, order):
@@ -38,9 +37,9 @@ def relative_error(sizes, values, order):
     change = np.abs(np.diff(values)) / (abs(values[-1]) or 1.0)
     ratio = sizes[:-1] / sizes[1:]
     if len(values) == 2:
-        return Estimate(change[-1] / (ratio[-1] ** min(order, TWO_GRIDS_ORDER) - 1), None, 2)
+        return Estimate(change[-1] / (ratio[-1] ** min(order, TWO_GRIDS_ORDER) - 1))
     last = max(change[-1], change[-2] / ratio[-1] ** (order + 1))
-    return Estimate(SAFETY * last / (ratio[-1] ** order - 1), observed_order(sizes[-3:], np.diff(values)[-2:]), len(values))
+    return Estimate(SAFETY * last / (ratio[-1] ** order - 1), observed_order(sizes[-3:], np.diff(values)[-2:]))
 
 
 def reliable_order(degree, vertices, triangles, is_supported=False):
@@ -86,15 +85,6 @@ def observed_order(sizes, changes):
     return 0.5 * (low + high)
 
 
-def mac(coarse, fine, weights):
-    """Modal assurance criterion of two sets of shapes (modes, points, 3) with weights (points): (coarse, fine), 0 ... 1."""
-    a = (coarse * np.sqrt(weights)[None, :, None]).reshape(len(coarse), -1)
-    b = (fine * np.sqrt(weights)[None, :, None]).reshape(len(fine), -1)
-    a /= np.linalg.norm(a, axis=1, keepdims=True)
-    b /= np.linalg.norm(b, axis=1, keepdims=True)
-    return (a @ b.T) ** 2
-
-
 def clusters(frequencies):
     """Number of the cluster of each mode: neighbours within CLUSTER of each other are one."""
     apart = np.diff(frequencies) > CLUSTER * np.asarray(frequencies)[1:]
@@ -107,9 +97,8 @@ def pair_modes(coarse_frequencies, coarse, fine_frequencies, fine, weights):
     Modes of one cluster may turn into each other within it: what counts is how much of a shape lies in the other cluster's
     span. Within a cluster modes are paired in the order of their frequencies, which is that of their eigenvalues' limits.
     """
-    likeness = mac(coarse, fine, weights)
     coarse_cluster, fine_cluster = clusters(coarse_frequencies), clusters(fine_frequencies)
-    shared = np.zeros_like(likeness)
+    shared = np.zeros((len(coarse), len(fine)))
     for k in range(coarse_cluster[-1] + 1):
         own = coarse_cluster == k
         shared[own] = span_share(coarse[own], fine, weights)
