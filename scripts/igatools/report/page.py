@@ -1,0 +1,138 @@
+"""Puts the page together: texts and tables, scripts, styles, arrays."""
+import json
+from html import escape
+from pathlib import Path
+
+from igatools.report import convergence, energies, scene, tables, threed, units
+
+HERE = Path(__file__).parent
+SCRIPTS = ["tabs", "plots", "arrays", "colours", "surface", "camera", "view", "controls", "start"]  # js/*.js, in this order
+TITLES = {"modes": "Vibration modes", "static": "Static analysis", "drop": "Drop test", "impact": "Impact"}
+
+
+def html(report, folder):
+    """Text of the page of a report (the object of report.json) whose files lie in or below `folder`."""
+    library = threed.library()
+    shown = scene.Scene(report, folder)
+    data = shown.data() if library else None
+    panels = [("answer", "Answer", answer(report)), ("view", "3-D view", view(library, data, shown.notes)),
+              ("convergence", "Convergence", convergence.html(report)), ("energies", "Energies", energies.html(report, folder)),
+              ("warnings", f"Warnings ({count_of_remarks(report)})", warnings(report)), ("repeat", "Repeat", repeat(report))]
+    panels = [panel for panel in panels if panel[2] is not None]
+    part = Path(report.get("part") or "").name
+    texts = {"title": escape(f"{title(report)}: {part}"), "heading": escape(title(report)), "part": escape(part),
+             "verdict": verdict(report), "style": (HERE / "page.css").read_text(), "tabs": tab_buttons(panels),
+             "panels": "".join(panel_html(*panel) for panel in panels), "data": embedded(data),
+             "library": f"<script>{library}</script>" if data else "",
+             "licence": licence() if data else "",
+             "script": "\n".join((HERE / "js" / f"{name}.js").read_text() for name in SCRIPTS)}
+    return filled((HERE / "page.html").read_text(), texts)
+
+
+def filled(template, texts):
+    """{{name}} replaced once, so that nothing inside the texts is looked at."""
+    pieces = template.split("{{")
+    return pieces[0] + "".join(texts[name] + rest for name, rest in (piece.split("}}", 1) for piece in pieces[1:]))
+
+
+def embedded(data):
+    """JSON that is safe inside a script element."""
+    return json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
+
+
+def title(report):
+    return TITLES.get(report.get("command"), "Vibration modes" if "frequencies" in report else "Analysis")
+
+
+def tab_buttons(panels):
+    return "".join(f'<button type="button" role="tab" id="tab-{key}" aria-controls="panel-{key}" aria-selected="false" '
+                   f'tabindex="-1">{escape(name)}</button>' for key, name, _ in panels)
+
+
+def panel_html(key, name, content):
+    return f'<section role="tabpanel" id="panel-{key}" aria-labelledby="tab-{key}" tabindex="0"><h2>{escape(name)}</h2>{content}</section>'
+
+
+def verdict(report):
+    """One line: was the tolerance reached?"""
+    tolerance = report.get("tolerance")
+    if tolerance is None:
+        return '<p class="verdict">No tolerance was asked for; errors are estimated.</p>'
+    asked = tables.percent(tolerance)
+    if report.get("reached"):
+        return f'<p class="verdict good"><span aria-hidden="true">✓</span> Tolerance of {asked} reached: all estimated errors are below it.</p>'
+    return f'<p class="verdict bad"><span aria-hidden="true">✗</span> Tolerance of {asked} not reached: see the errors and the warnings.</p>'
+
+
+def answer(report):
+    if "frequencies" in report:
+        found = len(report["frequencies"])
+        rigid = report.get("rigid_modes") or 0
+        lead = (f"{found} elastic modes" + (f" above {rigid} rigid-body modes" if rigid else "")
+                + ("; none is missing (Sturm count)." if report.get("complete") else "."))
+        body = tables.modes(report) + (
+            "<p>Interval: frequency less and plus the estimated error. Observed order: how fast the changes between the last "
+            "three grids fell; it is shown, the estimate does not use it. Same shape: how much of the mode is in the "
+            "shapes of the grid before.</p>")
+    else:
+        lead, body = "", tables.quantities(report)
+    return (f"<p>{escape(lead)}</p>" if lead else "") + body + f"<p>{escape(convergence.explanation(report))}</p><h3>What was asked, and what it took</h3>" + asked(report)
+
+
+def asked(report):
+    unit, material = units.of_report(report), report.get("material") or {}
+    words = [material.get("name") or "", *(f"{key} = {material[key]:g}" for key in ("E", "nu", "rho") if material.get(key) is not None)]
+    system = f"units {material['unit_system']}" if material.get("unit_system") else ""
+    mass = report.get("mass")
+    sizes = report.get("span_sizes") or []
+    return tables.facts([
+        ("Part", report.get("part")), ("Material", ", ".join(word for word in [*words, system] if word)),
+        ("Tolerance", None if report.get("tolerance") is None else tables.percent(report["tolerance"])),
+        ("Mass", None if mass is None else units.with_unit(tables.number(mass), unit["mass"])),
+        ("Length unit", unit["length"]),
+        ("Span sizes", ", ".join(f"{h:.4g}" for h in sizes)),
+        ("Unknowns", ", ".join(f"{n:,}" for n in report.get("unknowns") or [])),
+        ("Time", None if report.get("seconds") is None else f"{report['seconds']:.1f} s"),
+        ("Memory", None if not report.get("peak_memory") else f"{report['peak_memory']:.0f} MiB")])
+
+
+def view(library, data, notes):
+    remarks = tables.listed(notes) if notes else ""
+    if library is None:
+        return f'<p class="note">{escape(threed.ABSENT)}</p>'
+    if data is None:
+        return f'<p class="note">There is no surface to draw.</p>{remarks}'
+    return (HERE / "view.html").read_text() + remarks
+
+
+REMARKS = [("warnings", "Warnings", "What may make the numbers wrong."),
+           ("notes", "Notes of this run", "Why the run stopped where it did, and what was left out."),
+           ("findings", "What was found about the part", "Properties of the surface and of the model that are worth knowing.")]
+
+
+def count_of_remarks(report):
+    return sum(len(report.get(key) or []) for key, _, _ in REMARKS)
+
+
+def warnings(report):
+    parts = [f"<h3>{heading}</h3><p>{meaning}</p>{tables.listed(report[key])}"
+             for key, heading, meaning in REMARKS if report.get(key)]
+    if not report.get("reached", True):
+        parts.insert(0, f"<h3>Tolerance</h3><p>The tolerance of {tables.percent(report.get('tolerance'))} was not reached.</p>")
+    return "".join(parts) or "<p>There are no warnings, notes or findings.</p>"
+
+
+def repeat(report):
+    commands = report.get("commands") or []
+    listing = "\n".join(commands)
+    shown = (f'<p>These commands repeat the run on the finest grid:</p><pre id="commands" tabindex="0" aria-label="Commands">'
+             f'{escape(listing)}</pre><button type="button" id="copy">Copy the commands</button><span role="status" id="copied"></span>'
+             if commands else "<p>The report holds no commands; log.txt beside it lists all that ran.</p>")
+    versions = report.get("versions") or {}
+    return shown + "<h3>Files and versions</h3>" + tables.facts(
+        [("Model", report.get("model")), ("Results", report.get("results")), ("Energies", report.get("energies")),
+         *((name, version) for name, version in versions.items())])
+
+
+def licence():
+    return f"<details><summary>Licence of three.js, which draws the 3-D view</summary><pre>{escape(threed.LICENCE.read_text())}</pre></details>"
