@@ -3,7 +3,7 @@ import csv
 import math
 from html import escape
 
-from igatools.report import plots, tables
+from igatools.report import plots, tables, units
 from igatools.report.files import located
 
 MOST_POINTS = 600  # of a curve
@@ -44,22 +44,32 @@ def html(report, folder):
         names, rows = read(path)
     except (OSError, TableError) as error:
         return f"<p>The table of energies cannot be shown: {escape(str(error))}.</p>"
-    return drawn(names, rows)
+    return drawn(names, rows, units.of_report(report)) + balance(report)
 
 
-def drawn(names, rows):
+def balance(report):
+    error = report.get("energy_error")
+    return "" if error is None else f"<p>Largest relative error of the energy balance: {tables.percent(error)}.</p>"
+
+
+def is_energy(heading):
+    """Headings end with a unit in brackets; that of an energy has a force in it."""
+    return "[force*" in heading
+
+
+def drawn(names, rows, unit):
+    energies = [k for k, name in enumerate(names) if is_energy(name)]
+    plain = [name.split(" [")[0] for name in names]
     step = math.ceil(len(rows) / MOST_POINTS)
     shown = rows[::step] + ([rows[-1]] if (len(rows) - 1) % step else [])
     columns = list(zip(*rows))
-    is_used = [any(column) for column in columns]
-    curves = [plots.Curve(name, [(row[0], row[k]) for row in shown])
-              for k, name in enumerate(names) if k > 0 and is_used[k]]
+    curves = [plots.Curve(plain[k], [(row[0], row[k]) for row in shown]) for k in energies if any(columns[k])]
     values = [y for curve in curves for _, y in curve.points] or [0.0]
-    x_axis = plots.linear_axis(names[0], columns[0])
-    y_axis = plots.linear_axis("Energy", values)
-    lines = [[escape(names[k]), *(tables.number(v) for v in (columns[k][0], min(columns[k]), max(columns[k]), columns[k][-1]))]
-             for k in range(1, len(names))]
+    x_axis = plots.linear_axis(units.headed("Time", unit["time"]), columns[0])
+    y_axis = plots.linear_axis(units.headed("Energy", unit["energy"]), values)
+    lines = [[escape(plain[k]), *(tables.number(v) for v in (columns[k][0], min(columns[k]), max(columns[k]), columns[k][-1]))]
+             for k in energies]
     thinned = f"<p>The curves are drawn with {len(shown):,} of {len(rows):,} times; the table has all.</p>" if step > 1 else ""
     return (plots.figure("Energies over time; the table below has starts, ends and extremes.", curves, x_axis, y_axis,
                          with_markers=False) + thinned
-            + tables.table("Energies", ["Energy", "at the start", "smallest", "largest", "at the end"], lines))
+            + tables.table(units.headed("Energies", unit["energy"]), ["Energy", "at the start", "smallest", "largest", "at the end"], lines))

@@ -3,10 +3,10 @@ import json
 from html import escape
 from pathlib import Path
 
-from igatools.report import convergence, energies, scene, tables, threed, units
+from igatools.report import answer, convergence, energies, scene, tables, threed
 
 HERE = Path(__file__).parent
-SCRIPTS = ["tabs", "plots", "arrays", "colours", "surface", "camera", "view", "controls", "start"]  # js/*.js, in this order
+SCRIPTS = ["tabs", "plots", "arrays", "colours", "surface", "camera", "view", "picture", "controls", "start"]  # js/*.js, in this order
 TITLES = {"modes": "Vibration modes", "static": "Static analysis", "drop": "Drop test", "impact": "Impact"}
 
 
@@ -15,7 +15,7 @@ def html(report, folder):
     library = threed.library()
     shown = scene.Scene(report, folder)
     data = shown.data() if library else None
-    panels = [("answer", "Answer", answer(report)), ("view", "3-D view", view(library, data, shown.notes)),
+    panels = [("answer", "Answer", answer.html(report)), ("view", "3-D view", view(library, data, shown.notes)),
               ("convergence", "Convergence", convergence.html(report)), ("energies", "Energies", energies.html(report, folder)),
               ("warnings", f"Warnings ({count_of_remarks(report)})", warnings(report)), ("repeat", "Repeat", repeat(report))]
     panels = [panel for panel in panels if panel[2] is not None]
@@ -60,40 +60,10 @@ def verdict(report):
         return '<p class="verdict">No tolerance was asked for; errors are estimated.</p>'
     asked = tables.percent(tolerance)
     if report.get("reached"):
-        return f'<p class="verdict good"><span aria-hidden="true">✓</span> Tolerance of {asked} reached: all estimated errors are below it.</p>'
+        is_for_all = all(q.get("counts", True) for q in report.get("quantities") or [])
+        words = "all estimated errors are below it" if is_for_all else "all errors that it applies to are below it"
+        return f'<p class="verdict good"><span aria-hidden="true">✓</span> Tolerance of {asked} reached: {words}.</p>'
     return f'<p class="verdict bad"><span aria-hidden="true">✗</span> Tolerance of {asked} not reached: see the errors and the warnings.</p>'
-
-
-def answer(report):
-    if "frequencies" in report:
-        found = len(report["frequencies"])
-        rigid = report.get("rigid_modes") or 0
-        lead = (f"{found} elastic modes" + (f" above {rigid} rigid-body modes" if rigid else "")
-                + ("; none is missing (Sturm count)." if report.get("complete") else "."))
-        body = tables.modes(report) + (
-            "<p>Interval: frequency less and plus the estimated error. Observed order: how fast the changes between the last "
-            "three grids fell; it is shown, the estimate does not use it. Same shape: how much of the mode is in the "
-            "shapes of the grid before.</p>")
-    else:
-        lead, body = "", tables.quantities(report)
-    return (f"<p>{escape(lead)}</p>" if lead else "") + body + f"<p>{escape(convergence.explanation(report))}</p><h3>What was asked, and what it took</h3>" + asked(report)
-
-
-def asked(report):
-    unit, material = units.of_report(report), report.get("material") or {}
-    words = [material.get("name") or "", *(f"{key} = {material[key]:g}" for key in ("E", "nu", "rho") if material.get(key) is not None)]
-    system = f"units {material['unit_system']}" if material.get("unit_system") else ""
-    mass = report.get("mass")
-    sizes = report.get("span_sizes") or []
-    return tables.facts([
-        ("Part", report.get("part")), ("Material", ", ".join(word for word in [*words, system] if word)),
-        ("Tolerance", None if report.get("tolerance") is None else tables.percent(report["tolerance"])),
-        ("Mass", None if mass is None else units.with_unit(tables.number(mass), unit["mass"])),
-        ("Length unit", unit["length"]),
-        ("Span sizes", ", ".join(f"{h:.4g}" for h in sizes)),
-        ("Unknowns", ", ".join(f"{n:,}" for n in report.get("unknowns") or [])),
-        ("Time", None if report.get("seconds") is None else f"{report['seconds']:.1f} s"),
-        ("Memory", None if not report.get("peak_memory") else f"{report['peak_memory']:.0f} MiB")])
 
 
 def view(library, data, notes):

@@ -7,6 +7,8 @@ WIDTH, HEIGHT = 760, 420
 LEFT, RIGHT, TOP, BOTTOM = 78, 18, 16, 56
 MARKERS = ["M-4 0A4 4 0 1 0 4 0A4 4 0 1 0 -4 0Z", "M-4 -4H4V4H-4Z", "M0 -5L5 4H-5Z", "M0 -5.5L5.5 0L0 5.5L-5.5 0Z", "M0 5L5 -4H-5Z"]
 DASHES = ["", "7 3", "2 3", "9 3 2 3", "12 4"]
+ROUNDED = 0.02  # share of a tick's distance by which a curve may leave the frame
+BESIDE = 22  # estimates are drawn so far to the right of their place
 COLOURS = 10  # classes c0 … c9 of the style sheet
 
 
@@ -48,7 +50,7 @@ def linear_axis(label, values):
         low, high = low - 1, high + 1
     step = 10.0 ** math.floor(math.log10((high - low) / 4))
     step *= next((m for m in (1, 2, 5, 10) if (high - low) / (step * m) <= 8), 10)
-    first, last = math.floor(low / step + 1e-9), math.ceil(high / step - 1e-9)
+    first, last = math.floor(low / step + ROUNDED), math.ceil(high / step - ROUNDED)
     return Axis(label, first * step, last * step, [k * step for k in range(first, last + 1)])
 
 
@@ -92,7 +94,7 @@ def curve_group(number, curve, x_axis, y_axis, with_markers):
         parts += [f'<path class="marker" d="{marker}" transform="translate({x:.1f} {y:.1f})"/>' for x, y in points]
     if curve.estimate:
         x, y = spot(x_axis, y_axis, curve.estimate)
-        parts.append(f'<path class="estimate" d="{MARKERS[number % len(MARKERS)]}" transform="translate({x:.1f} {y:.1f}) scale(1.35)"/>')
+        parts.append(f'<path class="estimate" d="{MARKERS[number % len(MARKERS)]}" transform="translate({x + BESIDE:.1f} {y:.1f}) scale(1.2)"/>')
     return f'<g class="curve c{number % COLOURS}" data-curve="{number}"><title>{escape(curve.name)}</title>{"".join(parts)}</g>'
 
 
@@ -135,5 +137,5 @@ def slope(x_axis, y_axis, order, start, text):
         ends.append((x, y))
     ends = [(min(max(x, x_axis.low), x_axis.high), y) for x, y in ends]
     points = [spot(x_axis, y_axis, end) for end in ends]
-    x, y = points[1]
-    return f'<path class="slope" d="{path(points)}"/><text class="slope" x="{x + 6:.1f}" y="{y + 14:.1f}">{escape(text)}</text>'
+    x, y = (0.6 * a + 0.4 * b for a, b in zip(*sorted(points)))
+    return f'<path class="slope" d="{path(points)}"/><text class="slope" x="{x:.1f}" y="{y - 10:.1f}">{escape(text)}</text>'

@@ -8,7 +8,7 @@ from igatools.report.files import located
 BUDGET = 5_000_000      # bytes of arrays in a page; a third more as base64
 MOST_VERTICES = 50_000  # of a surface: what a small computer turns without delay
 MOST_FRAMES = 60    # of a run over time
-KINDS = {"modes": "swing", "static": "load", "drop": "time", "impact": "time"}
+KINDS = {"eigen": "swing", "static": "load", "explicit": "time"}  # of motion, by analysis
 
 
 class Scene:
@@ -41,8 +41,9 @@ class Scene:
         steps = self._steps(surface)
         kept, triangles = self._thinned(surface, steps)
         vertices = surface["vertices"][kept]
-        centre = 0.5 * (vertices.min(0) + vertices.max(0))
-        return {"kind": KINDS.get(self.report.get("command"), "load"), "units": self.units, "centre": centre.tolist(),
+        low, high = self._box(vertices, surface, kept, steps)
+        centre = 0.5 * (low + high)
+        return {"kind": KINDS[self.results.analysis] if self.results else "load", "units": self.units, "centre": centre.tolist(), "half": (0.5 * (high - low)).tolist(),
                 "vertices": arrays.reals(vertices - centre), "triangles": arrays.integers(triangles),
                 "steps": [self._step(surface, kept, *step) for step in steps], "spans": self._spans(surface),
                 "notes": self.notes}
@@ -72,6 +73,8 @@ class Scene:
         count = len(surface["steps"])
         if self.results.analysis == "static":
             return [(row, f"Load step {surface['steps'][row]:g}" if count > 1 else "Under load") for row in range(count)]
+        if rigid := self.results.texts("/time_series/rigid_names"):
+            self.notes.append(f"Rigid bodies are not drawn: {', '.join(rigid)}.")
         rows = np.unique(np.linspace(0, count - 1, min(count, MOST_FRAMES)).round().astype(int))
         if len(rows) < count:
             self.notes.append(f"{len(rows)} of {count} stored times are shown.")
@@ -83,6 +86,13 @@ class Scene:
         chosen = [mode for mode in self.results.elastic() if mode + 1 in row_of][:len(self.report.get("frequencies", []))]
         return [(row_of[mode + 1], f"Mode {mode + 1}: " + units.with_unit(f"{frequencies[mode]:.5g}", self.units["frequency"]))
                 for mode in chosen]
+
+    def _box(self, vertices, surface, kept, steps):
+        """Corners of what the picture must hold: a run over time moves the part through space."""
+        places = [vertices]
+        if self.results and self.results.analysis == "explicit":
+            places += [vertices + surface["displacement"][row][kept] for row, _ in steps]
+        return np.min([x.min(0) for x in places], axis=0), np.max([x.max(0) for x in places], axis=0)
 
     def _thinned(self, surface, steps):
         per_step = 6 + (2 if "von_mises" in surface else 0)

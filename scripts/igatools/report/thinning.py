@@ -24,7 +24,7 @@ def thinned(vertices, triangles, most):
     kept = representatives(vertices, bend, member, count)
     mapped = member[triangles]
     proper = (mapped[:, 0] != mapped[:, 1]) & (mapped[:, 1] != mapped[:, 2]) & (mapped[:, 2] != mapped[:, 0])
-    return kept, without_copies(mapped[proper])
+    return kept, without_folds(vertices[kept], normals[kept], without_copies(mapped[proper]))
 
 
 def vertex_normals(vertices, triangles):
@@ -59,6 +59,13 @@ def representatives(vertices, bend, member, count):
     order = np.lexsort((distance, -np.round(bend, 3), member))
     first = np.concatenate([[0], np.cumsum(size)[:-1]])
     return order[first]
+
+
+def without_folds(vertices, normals, triangles):
+    """Without the triangles that moving their corners turned over: they lie on others, which cover their place as well."""
+    corners = vertices[triangles]
+    area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return triangles[np.einsum("ij,ij->i", area, normals[triangles].sum(1)) > 0]
 
 
 def without_copies(triangles):

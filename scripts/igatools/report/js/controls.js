@@ -27,6 +27,7 @@ class Controls {
     element('shape-name').textContent = {swing: 'Mode', time: 'Time', load: 'Load'}[this.kind];
     element('shape').append(...steps.map((step, number) => new Option(step.label, number)), new Option('Part as given', -1));
     element('shape').addEventListener('change', event => this.choose(Number(event.target.value)));
+    for (const id of ['before', 'after']) element(id).hidden = steps.length < 2;
     element('before').addEventListener('click', () => this.chooseBeside(-1));
     element('after').addEventListener('click', () => this.chooseBeside(1));
     element('play').addEventListener('click', () => this.play(!this.isPlaying));
@@ -125,7 +126,8 @@ class Controls {
   }
 
   colour() {
-    showBar(this.view.colourBy(element('colour').value));
+    this.colouring = this.view.colourBy(element('colour').value);
+    showBar(this.colouring);
   }
 
   // Largest displacement to be drawn, in units of length.
@@ -146,7 +148,7 @@ class Controls {
     if (step) {
       const largest = headed(shortNumber(step.largest), '') + (data.units.length ? ` ${data.units.length}` : '');
       const factor = step.largest > 0 ? this.fullSize() / step.largest : 1;
-      text = {swing: `${step.label}. The size of the motion is free.`, time: `${step.label}. Largest displacement ${largest}, drawn in true size.`,
+      text = {swing: `${step.label}. A mode has a shape but no size: choose how large it is drawn.`, time: `${step.label}. Largest displacement ${largest}, drawn in true size.`,
         load: `${step.label}. Largest displacement ${largest}, drawn ${this.isTrue ? 'in true size' : `${shortNumber(factor)} times as large`}.`}[this.kind];
     }
     element('said').textContent = text;
@@ -183,7 +185,7 @@ class Controls {
   savePicture() {
     this.view.drawNow();
     const link = document.createElement('a');
-    link.href = this.view.canvas.toDataURL('image/png');
+    link.href = pictureWithScale(this.view.canvas, this.colouring, element('said').textContent).toDataURL('image/png');
     link.download = 'view.png';
     link.click();
   }

@@ -19,24 +19,24 @@ const VERTEX_SHADER = `
     #include <clipping_planes_vertex>
   }`;
 
-// Seen from behind, where the part is cut open, it has one flat colour. Lines mark tenths of the colour scale.
+// Where the part is cut open its inside has one flat colour. Lines mark tenths of the colour scale.
 const FRAGMENT_SHADER = `
   uniform vec3 plain, section;
   uniform sampler2D palette;
-  uniform bool isColoured;
+  uniform bool isColoured, isCut;
   varying vec3 direction;
   varying float share;
   #include <clipping_planes_pars_fragment>
   void main() {
     #include <clipping_planes_fragment>
-    if (!gl_FrontFacing) { gl_FragColor = vec4(section, 1.0); return; }
-    vec3 n = normalize(direction);
-    float light = 0.34 + 0.50 * max(dot(n, vec3(0.28, 0.55, 0.79)), 0.0) + 0.24 * max(dot(n, vec3(-0.70, -0.10, 0.71)), 0.0);
+    if (isCut && !gl_FrontFacing) { gl_FragColor = vec4(section, 1.0); return; }
+    vec3 n = normalize(gl_FrontFacing ? direction : -direction);
+    float light = 0.52 + 0.38 * max(dot(n, vec3(0.28, 0.55, 0.79)), 0.0) + 0.20 * max(dot(n, vec3(-0.70, -0.10, 0.71)), 0.0);
     vec3 colour = isColoured ? texture2D(palette, vec2(clamp(share, 0.002, 0.998), 0.5)).rgb : plain;
     if (isColoured && share < 1.0) {
       float tenths = share * 10.0;
       float line = abs(fract(tenths - 0.5) - 0.5) / max(fwidth(tenths), 1e-5);
-      colour *= mix(0.72, 1.0, clamp(line, 0.0, 1.0)) ;
+      colour *= mix(0.72, 1.0, clamp(line, 0.0, 1.0));
     }
     gl_FragColor = vec4(colour * min(light, 1.06), 1.0);
   }`;
@@ -109,7 +109,7 @@ class Surface {
       vertexShader: VERTEX_SHADER, fragmentShader: FRAGMENT_SHADER, side: THREE.DoubleSide, clipping: true,
       extensions: {derivatives: true},
       uniforms: {size: {value: 0}, plain: {value: new THREE.Color()}, section: {value: new THREE.Color()},
-        palette: {value: paletteTexture()}, isColoured: {value: false}}
+        palette: {value: paletteTexture()}, isColoured: {value: false}, isCut: {value: false}}
     });
     this.mesh = new THREE.Mesh(this.geometry, this.material);
     this.mesh.frustumCulled = false;  // the motion may leave the box of the part

@@ -9,8 +9,8 @@ class View {
     const vertices = unpack(scene.vertices);
     this.surface = new Surface(vertices, unpack(scene.triangles));
     this.scene.add(this.surface.mesh);
-    this.half = halfSizes(vertices);
-    this.eye = new Eye(Math.hypot(...this.half));
+    this.half = scene.half;
+    this.eye = new Eye(this.half);
     this.lines = scene.spans ? {interior: this.spanLines('interior'), trimmed: this.spanLines('trimmed')} : {};
     this.step = null;    // the chosen one
     this.largest = 0;    // displacement of the chosen step
@@ -75,31 +75,36 @@ class View {
   colouring(by) {
     const {kind, units} = this.data;
     if (by === 'von_mises') {
-      const {usual_stress: usual, largest_stress: most} = this.step;
+      const [usual, most] = [this.overTimes('usual_stress'), this.overTimes('largest_stress')];
       const isSpiky = most > 1.3 * usual && usual > 0;
-      return {values: unpack(this.step.von_mises), largest: isSpiky ? usual : most, title: headed('von Mises stress', units.stress || "units of the run"),
+      return {values: unpack(this.step.von_mises), largest: isSpiky ? usual : most, 
+        title: headed('von Mises stress', units.stress || 'units of the run'),
         note: isSpiky ? `Half a per cent of the vertices is above; the largest is ${shortNumber(most)}.` : ''};
     }
     const sizes = new Float32Array(this.displacement.length / 3);
     for (let k = 0; k < sizes.length; ++k) sizes[k] = Math.hypot(...this.displacement.subarray(3 * k, 3 * k + 3));
-    if (kind === 'swing') return {values: sizes, largest: 1, title: 'Displacement, share of the largest', note: ''};
-    return {values: sizes.map(size => size * this.largest), largest: this.scaleEnd(), title: headed('Displacement', units.length), note: ''};
+    if (kind === 'swing') return {values: sizes, largest: 1, title: 'Share of the largest displacement', note: ''};
+    return {values: sizes.map(size => size * this.largest), largest: this.overTimes('largest'),
+      title: headed('Displacement', units.length), note: ''};
   }
 
-  // One scale for all times, so that colours can be compared.
-  scaleEnd() {
-    return this.data.kind === 'time' ? Math.max(...this.data.steps.map(step => step.largest)) : this.largest;
+  // One colour scale for all times, so that they can be compared.
+  overTimes(key) {
+    return this.data.kind === 'time' ? Math.max(...this.data.steps.map(step => step[key])) : this.step[key];
   }
 
-  // axis: '', 'x', 'y' or 'z'; share: 0 … 1 along the part.
+  // axis: '', 'x', 'y' or 'z'; share: 0 … 1 along the part. The side towards the eye is cut away, as it stood when the axis was chosen.
   cut(axis, share) {
+    this.surface.material.uniforms.isCut.value = Boolean(axis);
     if (!axis) {
       this.renderer.clippingPlanes = [];
     } else {
       const number = 'xyz'.indexOf(axis);
-      const normal = new THREE.Vector3().setComponent(number, -1);
-      this.renderer.clippingPlanes = [new THREE.Plane(normal, (2 * share - 1) * this.half[number] * 1.001)];
+      if (axis !== this.axis) this.side = this.eye.camera.position.getComponent(number) < this.eye.target.getComponent(number) ? 1 : -1;
+      const normal = new THREE.Vector3().setComponent(number, this.side);
+      this.renderer.clippingPlanes = [new THREE.Plane(normal, -this.side * (2 * share - 1) * this.half[number] * 1.001)];
     }
+    this.axis = axis;
     this.draw();
   }
 
@@ -124,12 +129,6 @@ class View {
     this.eye.place(width / height);
     this.renderer.render(this.scene, this.eye.camera);
   }
-}
-
-function halfSizes(vertices) {
-  const half = [0, 0, 0];
-  for (let k = 0; k < vertices.length; ++k) half[k % 3] = Math.max(half[k % 3], Math.abs(vertices[k]));
-  return half;
 }
 
 function headed(name, unit) {
