@@ -73,7 +73,7 @@ def forces(report):
     round_off = 1e-9 * max(abs(c) for _, entry in entries for c in entry["force"])
     rows = [[escape(f"{kind} {entry['name']}"), *(number(c if abs(c) > round_off else 0.0, 4) for c in entry["force"]),
              number(entry["area"], 4) if entry.get("area") else ""] for kind, entry in entries]
-    headings = ["", *(units.headed(f"Force {axis}", unit["force"]) for axis in "xyz"),
+    headings = ["Acts by", *(units.headed(f"Force {axis}", unit["force"]) for axis in "xyz"),
                 units.headed("Area", unit["length"] and f"{unit['length']}²")]
     return tables.table("Forces on the part: of the loads, and of the supports that hold it", headings, rows)
 

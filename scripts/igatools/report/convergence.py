@@ -61,7 +61,7 @@ def history_table(report):
         absent = [""] * (len(sizes) - len(values))
         rows.append([escape(units.headed(name, unit)), *absent, *(tables.number(v, 6) for v in values), tables.percent(error)])
     length = units.of_report(report)["length"]
-    headings = ["", *(units.with_unit(f"spans of {h:.4g}", length) for h in sizes), "estimated error"]
+    headings = ["Number", *(units.with_unit(f"spans of {h:.4g}", length) for h in sizes), "estimated error"]
     return tables.table("Values on all grids", headings, rows)
 
 
