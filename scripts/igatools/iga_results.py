@@ -115,10 +115,10 @@ class Results:
 
     def joined_surface(self):
         """Fields on the surface as one mesh, whether the file has one body or several: vertices (n, 3), triangles (m, 3), steps,
-        displacement (steps, n, 3) and, where there is one, von_mises (steps, n). None where there are no fields."""
+        displacement (steps, n, 3) and von_mises (steps, n), each where it was asked for. None where there are no fields."""
         if "/surface" in self:
-            found = {name: self[f"/surface/{name}"] for name in ("vertices", "triangles", "steps", "displacement")}
-            return found | ({"von_mises": self["/surface/von_mises"]} if "/surface/von_mises" in self else {})
+            names = ("vertices", "triangles", "steps", "displacement", "von_mises")
+            return {name: self[f"/surface/{name}"] for name in names if f"/surface/{name}" in self}
         if not self.num_fields():
             return None
         bodies, steps = self.texts("/body_names"), [self.fields(step) for step in range(self.num_fields())]

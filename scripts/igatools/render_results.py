@@ -27,8 +27,8 @@ class Shapes:
     def __init__(self, path):
         self.results = iga_results.read(path)
         self.surface = self.results.joined_surface()
-        if self.surface is None:
-            sys.exit(f"render.py: {path}: holds no fields on the surface to draw")
+        if self.surface is None or "displacement" not in self.surface:
+            sys.exit(f"render.py: {path}: holds no displacements of the surface to draw")
         self.stem = path.stem
         self.title = self.results.attribute("/", "title") or path.stem
         self.vertices, self.triangles = self.surface["vertices"], self.surface["triangles"]

@@ -5,7 +5,7 @@ import shutil
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 # As root Chromium has no sandbox; without a graphics card it draws by SwiftShader. No host name leads anywhere.
 FLAGS = ["--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--use-gl=angle", "--use-angle=swiftshader",
-         "--enable-unsafe-swiftshader", "--window-size=1360,900", "--force-device-scale-factor=1",
+         "--enable-unsafe-swiftshader", "--window-size=960,640", "--force-device-scale-factor=1",
          "--host-resolver-rules=MAP * ~NOTFOUND", "--disable-background-networking", "--disable-component-update"]
 
 

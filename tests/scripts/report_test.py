@@ -1,5 +1,7 @@
 #!/usr/bin/python3
-"""The report page: how arrays are packed, which lines and vertices it holds, what its tabs say.  usage: report_test.py SOURCE_DIR"""
+"""The report page: how arrays are packed, which lines and vertices it holds, what its tabs say.
+
+usage: report_test.py SOURCE_DIR"""
 import json
 import re
 import sys
@@ -43,7 +45,8 @@ def sphere(count):
     number = np.arange(len(ring)).reshape(count, count - 1)
     a, b = number, np.roll(number, -1, axis=0)
     quads = [np.stack([a[:, :-1], a[:, 1:], b[:, 1:]], -1), np.stack([a[:, :-1], b[:, 1:], b[:, :-1]], -1)]
-    caps = [np.stack([np.full(count, len(ring)), a[:, 0], b[:, 0]], -1), np.stack([np.full(count, len(ring) + 1), b[:, -1], a[:, -1]], -1)]
+    top, bottom = np.full(count, len(ring)), np.full(count, len(ring) + 1)
+    caps = [np.stack([top, a[:, 0], b[:, 0]], -1), np.stack([bottom, b[:, -1], a[:, -1]], -1)]
     return np.concatenate([ring, [[0, 0, 1], [0, 0, -1]]]), np.concatenate([q.reshape(-1, 3) for q in quads + caps])
 
 

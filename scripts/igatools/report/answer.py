@@ -14,9 +14,9 @@ def html(report):
             f"<h3>What was asked, and what it took</h3>{asked(report)}")
 
 
-MODE_COLUMNS = ("Interval: frequency less and plus the estimated error. Observed order: how fast the changes between the last three "
-                "grids fell; it is only shown, the estimate does not use it. Same shape: how much of the mode is in the shapes of "
-                "the grid before.")
+MODE_COLUMNS = ("Interval: frequency less and plus the estimated error. Observed order: how fast the changes between the last "
+                "three grids fell; it is only shown, the estimate does not use it. Same shape: how much of the mode is in the "
+                "shapes of the grid before.")
 
 
 def modes_in_words(report):

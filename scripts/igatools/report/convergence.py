@@ -48,8 +48,8 @@ def html(report):
         extra += plots.slope(x_axis, y_axis, order, start, f"order {order:.3g}, relied on")
     label = ("Relative change of each number from grid to grid over the span size, both logarithmic; the table below has the "
              "numbers.")
-    return (f"<p>A filled marker is the change from the grid before; the hollow one beside the last is the estimated error on the finest grid. "
-            f"Choose a name to bring its curve to the front.{'' if len(sizes) > 2 else ONE_CHANGE}</p>"
+    return (f"<p>A filled marker is the change from the grid before; the hollow one beside the last is the estimated error on "
+            f"the finest grid. Choose a name to bring its curve to the front.{'' if len(sizes) > 2 else ONE_CHANGE}</p>"
             + plots.figure(label, found, x_axis, y_axis, with_markers=True, extra=extra) + history_table(report)
             + f"<p>{escape(explanation(report))}</p>")
 
@@ -70,5 +70,6 @@ def explanation(report):
     relied = f", relying on convergence of order {order:.3g}" if order else ""
     is_singular = order and order < 2 and report.get("command") in ("modes", "static")
     reason = " (sharp re-entrant edges or supports make it low)" if is_singular else ""
-    return (f"The error is the estimated distance from the limit of smaller and smaller spans, told from how the numbers change from grid to grid{relied}"
-            f"{reason}. It does not cover what the material data, the supports, the loads and the flat facets of the surface leave open.")
+    return (f"The error is the estimated distance from the limit of smaller and smaller spans, told from how the numbers change "
+            f"from grid to grid{relied}{reason}. It does not cover what the material data, the supports, the loads and the flat "
+            "facets of the surface leave open.")

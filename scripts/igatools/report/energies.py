@@ -69,7 +69,8 @@ def drawn(names, rows, unit):
     y_axis = plots.linear_axis(units.headed("Energy", unit["energy"]), values)
     lines = [[escape(plain[k]), *(tables.number(v) for v in (columns[k][0], min(columns[k]), max(columns[k]), columns[k][-1]))]
              for k in energies]
+    headings = ["Energy", "at the start", "smallest", "largest", "at the end"]
     thinned = f"<p>The curves are drawn with {len(shown):,} of {len(rows):,} times; the table has all.</p>" if step > 1 else ""
     return (plots.figure("Energies over time; the table below has starts, ends and extremes.", curves, x_axis, y_axis,
                          with_markers=False) + thinned
-            + tables.table(units.headed("Energies", unit["energy"]), ["Energy", "at the start", "smallest", "largest", "at the end"], lines))
+            + tables.table(units.headed("Energies", unit["energy"]), headings, lines))

@@ -6,7 +6,7 @@ from pathlib import Path
 from igatools.report import answer, convergence, energies, scene, tables, threed
 
 HERE = Path(__file__).parent
-SCRIPTS = ["tabs", "plots", "arrays", "colours", "surface", "camera", "view", "picture", "controls", "start"]  # js/*.js, in this order
+SCRIPTS = ["tabs", "plots", "arrays", "colours", "surface", "camera", "view", "picture", "controls", "start"]  # in this order
 TITLES = {"modes": "Vibration modes", "static": "Static analysis", "drop": "Drop test", "impact": "Impact"}
 
 
@@ -50,7 +50,8 @@ def tab_buttons(panels):
 
 
 def panel_html(key, name, content):
-    return f'<section role="tabpanel" id="panel-{key}" aria-labelledby="tab-{key}" tabindex="0"><h2>{escape(name)}</h2>{content}</section>'
+    return (f'<section role="tabpanel" id="panel-{key}" aria-labelledby="tab-{key}" tabindex="0">'
+            f"<h2>{escape(name)}</h2>{content}</section>")
 
 
 def verdict(report):
@@ -63,7 +64,8 @@ def verdict(report):
         is_for_all = all(q.get("counts", True) for q in report.get("quantities") or [])
         words = "all estimated errors are below it" if is_for_all else "all errors that it applies to are below it"
         return f'<p class="verdict good"><span aria-hidden="true">✓</span> Tolerance of {asked} reached: {words}.</p>'
-    return f'<p class="verdict bad"><span aria-hidden="true">✗</span> Tolerance of {asked} not reached: see the errors and the warnings.</p>'
+    words = "the run was interrupted" if report.get("interrupted") else "see the errors and the warnings"
+    return f'<p class="verdict bad"><span aria-hidden="true">✗</span> Tolerance of {asked} not reached: {words}.</p>'
 
 
 def view(library, data, notes):
@@ -95,8 +97,9 @@ def warnings(report):
 def repeat(report):
     commands = report.get("commands") or []
     listing = "\n".join(commands)
-    shown = (f'<p>These commands repeat the run on the finest grid:</p><pre id="commands" tabindex="0" aria-label="Commands">'
-             f'{escape(listing)}</pre><button type="button" id="copy">Copy the commands</button><span role="status" id="copied"></span>'
+    shown = ('<p>These commands repeat the run on the finest grid:</p><pre id="commands" tabindex="0" aria-label="Commands">'
+             f'{escape(listing)}</pre><button type="button" id="copy">Copy the commands</button>'
+             '<span role="status" id="copied"></span>'
              if commands else "<p>The report holds no commands; log.txt beside it lists all that ran.</p>")
     versions = report.get("versions") or {}
     return shown + "<h3>Files and versions</h3>" + tables.facts(
@@ -105,4 +108,5 @@ def repeat(report):
 
 
 def licence():
-    return f"<details><summary>Licence of three.js, which draws the 3-D view</summary><pre>{escape(threed.LICENCE.read_text())}</pre></details>"
+    text = escape(threed.LICENCE.read_text())
+    return f"<details><summary>Licence of three.js, which draws the 3-D view</summary><pre>{text}</pre></details>"

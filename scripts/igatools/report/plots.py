@@ -55,7 +55,15 @@ def linear_axis(label, values):
 
 
 def spot(x_axis, y_axis, point):
-    return (LEFT + (WIDTH - LEFT - RIGHT) * x_axis.share(point[0]), HEIGHT - BOTTOM - (HEIGHT - TOP - BOTTOM) * y_axis.share(point[1]))
+    """Place of a point in the picture."""
+    return (LEFT + (WIDTH - LEFT - RIGHT) * x_axis.share(point[0]),
+            HEIGHT - BOTTOM - (HEIGHT - TOP - BOTTOM) * y_axis.share(point[1]))
+
+
+def words_at(x, y, words, anchor="start", kind="", turn=""):
+    of_kind = f' class="{kind}"' if kind else ""
+    turned = f' transform="{turn}"' if turn else ""
+    return f'<text{of_kind} x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}"{turned}>{escape(words)}</text>'
 
 
 def frame(x_axis, y_axis):
@@ -64,19 +72,15 @@ def frame(x_axis, y_axis):
     parts = []
     for tick in x_axis.ticks:
         x = spot(x_axis, y_axis, (tick, y_axis.low))[0]
-        parts.append(f'<path class="grid" d="M{x:.1f} {TOP}V{bottom}"/><text x="{x:.1f}" y="{bottom + 18}" text-anchor="middle">{tick_text(tick)}</text>')
+        parts += [f'<path class="grid" d="M{x:.1f} {TOP}V{bottom}"/>', words_at(x, bottom + 18, f"{tick:.4g}", "middle")]
     for tick in y_axis.ticks:
         y = spot(x_axis, y_axis, (x_axis.low, tick))[1]
-        parts.append(f'<path class="grid" d="M{LEFT} {y:.1f}H{right}"/><text x="{LEFT - 8}" y="{y + 4:.1f}" text-anchor="end">{tick_text(tick)}</text>')
+        parts += [f'<path class="grid" d="M{LEFT} {y:.1f}H{right}"/>', words_at(LEFT - 8, y + 4, f"{tick:.4g}", "end")]
     parts.append(f'<path class="axis" d="M{LEFT} {TOP}V{bottom}H{right}"/>')
-    parts.append(f'<text class="title" x="{(LEFT + right) / 2}" y="{HEIGHT - 14}" text-anchor="middle">{escape(x_axis.label)}</text>')
     middle = (TOP + bottom) / 2
-    parts.append(f'<text class="title" x="18" y="{middle}" text-anchor="middle" transform="rotate(-90 18 {middle})">{escape(y_axis.label)}</text>')
+    parts += [words_at((LEFT + right) / 2, HEIGHT - 14, x_axis.label, "middle", "title"),
+              words_at(18, middle, y_axis.label, "middle", "title", f"rotate(-90 18 {middle})")]
     return "".join(parts)
-
-
-def tick_text(value):
-    return f"{value:.4g}"
 
 
 def path(points):
@@ -85,16 +89,16 @@ def path(points):
 
 def curve_group(number, curve, x_axis, y_axis, with_markers):
     points = [spot(x_axis, y_axis, p) for p in curve.points]
+    marker = MARKERS[number % len(MARKERS)]
     parts = []
     if len(points) > 1:
         dash = DASHES[number % len(DASHES)] if not with_markers else ""
         parts.append(f'<path class="line" d="{path(points)}"' + (f' stroke-dasharray="{dash}"' if dash else "") + "/>")
     if with_markers:
-        marker = MARKERS[number % len(MARKERS)]
         parts += [f'<path class="marker" d="{marker}" transform="translate({x:.1f} {y:.1f})"/>' for x, y in points]
     if curve.estimate:
         x, y = spot(x_axis, y_axis, curve.estimate)
-        parts.append(f'<path class="estimate" d="{MARKERS[number % len(MARKERS)]}" transform="translate({x + BESIDE:.1f} {y:.1f}) scale(1.2)"/>')
+        parts.append(f'<path class="estimate" d="{marker}" transform="translate({x + BESIDE:.1f} {y:.1f}) scale(1.2)"/>')
     return f'<g class="curve c{number % COLOURS}" data-curve="{number}"><title>{escape(curve.name)}</title>{"".join(parts)}</g>'
 
 
@@ -104,8 +108,8 @@ def legend(curves, with_markers):
     for number, curve in enumerate(curves):
         shape = (f'<path class="marker" d="{MARKERS[number % len(MARKERS)]}" transform="translate(14 8)"/>' if with_markers else
                  f'<path class="line" d="M0 8H28" stroke-dasharray="{DASHES[number % len(DASHES)]}"/>')
-        items.append(f'<button type="button" aria-pressed="false" data-curve="{number}"><svg class="c{number % COLOURS}" width="28" height="16" '
-                     f'aria-hidden="true">{shape}</svg>{escape(curve.name)}</button>')
+        items.append(f'<button type="button" aria-pressed="false" data-curve="{number}"><svg class="c{number % COLOURS}" '
+                     f'width="28" height="16" aria-hidden="true">{shape}</svg>{escape(curve.name)}</button>')
     return f'<div class="legend" role="group" aria-label="Highlight a curve">{"".join(items)}</div>'
 
 
@@ -121,8 +125,7 @@ def level(x_axis, y_axis, value, text):
     if not y_axis.low <= value <= y_axis.high:
         return ""
     y = spot(x_axis, y_axis, (x_axis.low, value))[1]
-    return (f'<path class="limit" d="M{LEFT} {y:.1f}H{WIDTH - RIGHT}"/>'
-            f'<text class="limit" x="{LEFT + 8}" y="{y - 6:.1f}">{escape(text)}</text>')
+    return f'<path class="limit" d="M{LEFT} {y:.1f}H{WIDTH - RIGHT}"/>' + words_at(LEFT + 8, y - 6, text, kind="limit")
 
 
 def slope(x_axis, y_axis, order, start, text):
@@ -138,4 +141,4 @@ def slope(x_axis, y_axis, order, start, text):
     ends = [(min(max(x, x_axis.low), x_axis.high), y) for x, y in ends]
     points = [spot(x_axis, y_axis, end) for end in ends]
     x, y = (0.6 * a + 0.4 * b for a, b in zip(*sorted(points)))
-    return f'<path class="slope" d="{path(points)}"/><text class="slope" x="{x:.1f}" y="{y - 10:.1f}">{escape(text)}</text>'
+    return f'<path class="slope" d="{path(points)}"/>' + words_at(x, y - 10, text, kind="slope")

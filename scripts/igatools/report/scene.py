@@ -43,7 +43,8 @@ class Scene:
         vertices = surface["vertices"][kept]
         low, high = self._box(vertices, surface, kept, steps)
         centre = 0.5 * (low + high)
-        return {"kind": KINDS[self.results.analysis] if self.results else "load", "units": self.units, "centre": centre.tolist(), "half": (0.5 * (high - low)).tolist(),
+        return {"kind": KINDS[self.results.analysis] if self.results else "load", "units": self.units,
+                "centre": centre.tolist(), "half": (0.5 * (high - low)).tolist(),
                 "vertices": arrays.reals(vertices - centre), "triangles": arrays.integers(triangles),
                 "steps": [self._step(surface, kept, *step) for step in steps], "spans": self._spans(surface),
                 "notes": self.notes}

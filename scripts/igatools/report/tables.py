@@ -18,8 +18,11 @@ def row(cells, heading=False):
 
 
 def table(caption, headings, rows):
-    return (f'<div class="wide" role="region" tabindex="0" aria-label="{escape(caption)}"><table><caption>{escape(caption)}</caption>'
-            f"<thead>{row(map(escape, headings), heading=True)}</thead><tbody>{''.join(row(r) for r in rows)}</tbody></table></div>")
+    """Headings are text, cells of the rows HTML."""
+    name = escape(caption)
+    return (f'<div class="wide" role="region" tabindex="0" aria-label="{name}"><table><caption>{name}</caption>'
+            f"<thead>{row(map(escape, headings), heading=True)}</thead>"
+            f"<tbody>{''.join(row(cells) for cells in rows)}</tbody></table></div>")
 
 
 def facts(pairs):

@@ -1,4 +1,5 @@
-// The eye: it looks at a point from two angles; z is up. Its distance is a multiple of the one from which the part fills the picture.
+// The eye: it looks at a point from two angles; z is up. Its distance is a multiple of the one from which the part fills the
+// picture.
 
 const HOME = {turn: -0.9, rise: 0.5};
 const OPENING = 28 * Math.PI / 180;  // angle of the picture's height
@@ -63,7 +64,8 @@ class Eye {
     let distance = 0;
     for (let corner = 0; corner < 8; ++corner) {
       const place = new THREE.Vector3(...this.half.map((side, d) => corner >> d & 1 ? side : -side));
-      distance = Math.max(distance, place.dot(back) + Math.max(Math.abs(place.dot(right)) / aspect, Math.abs(place.dot(up))) / slope);
+      const reach = Math.max(Math.abs(place.dot(right)) / aspect, Math.abs(place.dot(up)));
+      distance = Math.max(distance, place.dot(back) + reach / slope);
     }
     return distance;
   }

@@ -1,6 +1,8 @@
 // Colours of values: viridis, which also rises evenly in brightness, as a texture for the surface and as a bar with numbers.
 
-const PALETTE = [[68, 1, 84], [72, 36, 117], [65, 68, 135], [53, 95, 141], [42, 120, 142], [33, 145, 140], [34, 168, 132], [68, 191, 112], [122, 209, 81], [189, 223, 38], [253, 231, 37]];
+const PALETTE = [[68, 1, 84], [72, 36, 117], [65, 68, 135], [53, 95, 141],
+  [42, 120, 142], [33, 145, 140], [34, 168, 132], [68, 191, 112], [122, 209, 81],
+  [189, 223, 38], [253, 231, 37]];
 const TEXELS = 256;
 
 function colourOf(share) {

@@ -45,7 +45,10 @@ class Controls {
     if (steps.some(step => step.von_mises)) colours.unshift(['von_mises', 'von Mises stress']);
     element('colour').append(...colours.map(([value, name]) => new Option(name, value)));
     element('colour').addEventListener('change', () => this.colour());
-    element('show-surface').addEventListener('change', event => { this.view.surface.mesh.visible = event.target.checked; this.view.draw(); });
+    element('show-surface').addEventListener('change', event => {
+      this.view.surface.mesh.visible = event.target.checked;
+      this.view.draw();
+    });
     ['interior', 'trimmed'].forEach((kind, place) => {
       const box = element(`show-${kind}`);
       box.disabled = !spans;
@@ -68,7 +71,8 @@ class Controls {
   }
 
   setUpEye() {
-    for (const button of document.querySelectorAll('[data-turn]')) button.addEventListener('click', () => this.turn(button.dataset.turn));
+    for (const button of document.querySelectorAll('[data-turn]'))
+      button.addEventListener('click', () => this.turn(button.dataset.turn));
     for (const button of document.querySelectorAll('[data-view]')) {
       button.addEventListener('click', () => {
         if (button.dataset.view === 'home') this.view.eye.goHome(); else this.view.eye.lookFrom(button.dataset.view);
@@ -80,7 +84,8 @@ class Controls {
     canvas.addEventListener('pointermove', event => {
       if (!canvas.hasPointerCapture(event.pointerId)) return;
       const x = event.movementX / canvas.clientHeight, y = event.movementY / canvas.clientHeight;
-      if (event.shiftKey || event.buttons === 2 || event.buttons === 4) this.view.eye.shift(x, -y); else this.view.eye.rotate(-4 * x, 4 * y);
+      if (event.shiftKey || event.buttons > 1) this.view.eye.shift(x, -y);
+      else this.view.eye.rotate(-4 * x, 4 * y);
       this.view.draw();
     });
     canvas.addEventListener('contextmenu', event => event.preventDefault());
@@ -93,15 +98,17 @@ class Controls {
 
   turn(where) {
     const eye = this.view.eye;
-    ({left: () => eye.rotate(-TURN, 0), right: () => eye.rotate(TURN, 0), up: () => eye.rotate(0, TURN), down: () => eye.rotate(0, -TURN),
-      in: () => eye.zoom(1 / ZOOM), out: () => eye.zoom(ZOOM)})[where]();
+    const turns = {left: [-TURN, 0], right: [TURN, 0], up: [0, TURN], down: [0, -TURN]};
+    if (turns[where]) eye.rotate(...turns[where]);
+    else eye.zoom(where === 'in' ? 1 / ZOOM : ZOOM);
     this.view.draw();
   }
 
   key(event) {
     const arrows = {ArrowLeft: 'left', ArrowRight: 'right', ArrowUp: 'up', ArrowDown: 'down'};
     const shifts = {ArrowLeft: [-0.05, 0], ArrowRight: [0.05, 0], ArrowUp: [0, 0.05], ArrowDown: [0, -0.05]};
-    const others = {'+': () => this.turn('in'), '=': () => this.turn('in'), '-': () => this.turn('out'), ' ': () => this.play(!this.isPlaying),
+    const others = {'+': () => this.turn('in'), '=': () => this.turn('in'), '-': () => this.turn('out'),
+      ' ': () => this.play(!this.isPlaying),
       PageUp: () => this.chooseBeside(-1), PageDown: () => this.chooseBeside(1), Home: () => this.view.eye.goHome()};
     if (event.ctrlKey || event.altKey || event.metaKey) return;
     if (arrows[event.key] && event.shiftKey) this.view.eye.shift(...shifts[event.key]);
@@ -137,20 +144,27 @@ class Controls {
 
   show() {
     const full = this.view.step ? this.fullSize() : 0;
-    const share = {swing: Math.sin(2 * Math.PI * this.phase), load: 0.5 - 0.5 * Math.cos(4 * Math.PI * this.phase), time: 1}[this.kind];
-    this.view.setSize(full * (this.kind === 'load' && !this.isPlaying ? 1 : share));
+    this.view.setSize(full * this.shareNow());
     if (!this.isPlaying) this.say();
   }
 
-  say() {
+  // Of the full motion.
+  shareNow() {
+    if (this.kind === 'swing') return Math.sin(2 * Math.PI * this.phase);
+    return this.kind === 'load' && this.isPlaying ? 0.5 - 0.5 * Math.cos(2 * Math.PI * this.phase) : 1;
+  }
+
+  whatIsShown() {
     const {step, data} = this.view;
-    let text = 'The part as given.';
-    if (step) {
-      const largest = headed(shortNumber(step.largest), '') + (data.units.length ? ` ${data.units.length}` : '');
-      const factor = step.largest > 0 ? this.fullSize() / step.largest : 1;
-      text = {swing: `${step.label}. A mode has a shape but no size: choose how large it is drawn.`, time: `${step.label}. Largest displacement ${largest}, drawn in true size.`,
-        load: `${step.label}. Largest displacement ${largest}, drawn ${this.isTrue ? 'in true size' : `${shortNumber(factor)} times as large`}.`}[this.kind];
-    }
+    if (!step) return 'The part as given.';
+    if (this.kind === 'swing') return `${step.label}. A mode has a shape but no size: choose how large it is drawn.`;
+    const largest = `${shortNumber(step.largest)} ${data.units.length}`.trim();
+    const size = this.isTrue || !step.largest ? 'in true size' : `${shortNumber(this.fullSize() / step.largest)} times as large`;
+    return `${step.label}. Largest displacement ${largest}, drawn ${size}.`;
+  }
+
+  say() {
+    const text = this.whatIsShown();
     element('said').textContent = text;
     element('canvas').setAttribute('aria-label', text);
   }

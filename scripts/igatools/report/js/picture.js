@@ -20,7 +20,8 @@ function pictureWithScale(view, colouring, text) {
 
 function drawScale(pen, colouring, unit) {
   const left = 14 * unit, top = 64 * unit, height = 260 * unit;
-  colouring.title.split(/(?= largest)|(?= \[)/).forEach((line, number) => pen.fillText(line.trim(), left, (26 + 18 * number) * unit));
+  const lines = colouring.title.split(/(?= largest)|(?= \[)/);
+  lines.forEach((line, number) => pen.fillText(line.trim(), left, (26 + 18 * number) * unit));
   const ink = pen.fillStyle;
   for (let row = 0; row < height; ++row) {
     pen.fillStyle = `rgb(${colourOf(1 - row / height).map(Math.round)})`;

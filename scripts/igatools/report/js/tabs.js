@@ -18,7 +18,8 @@ function setUpTabs() {
     tab.addEventListener('click', () => choose(tab));
     tab.addEventListener('keydown', event => {
       const last = tabs.length - 1;
-      const next = {ArrowRight: number === last ? 0 : number + 1, ArrowLeft: number === 0 ? last : number - 1, Home: 0, End: last}[event.key];
+      const after = number === last ? 0 : number + 1, before = number === 0 ? last : number - 1;
+      const next = {ArrowRight: after, ArrowLeft: before, Home: 0, End: last}[event.key];
       if (next === undefined) return;
       event.preventDefault();
       choose(tabs[next]);

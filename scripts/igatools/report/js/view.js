@@ -26,8 +26,10 @@ class View {
     const places = new Float32Array(corners.length);
     for (let k = 0; k < corners.length; k += 3) {
       const own = [0, 1, 2].map(d => low[d] + size[d] * corners[k + d] - middle[d]);
-      for (let d = 0; d < 3; ++d)
-        places[k + d] = middle[d] - this.data.centre[d] + rotation[d][0] * own[0] + rotation[d][1] * own[1] + rotation[d][2] * own[2];
+      for (let d = 0; d < 3; ++d) {
+        const turned = rotation[d][0] * own[0] + rotation[d][1] * own[1] + rotation[d][2] * own[2];
+        places[k + d] = middle[d] - this.data.centre[d] + turned;
+      }
     }
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute('position', new THREE.BufferAttribute(places, 3));
@@ -93,14 +95,15 @@ class View {
     return this.data.kind === 'time' ? Math.max(...this.data.steps.map(step => step[key])) : this.step[key];
   }
 
-  // axis: '', 'x', 'y' or 'z'; share: 0 … 1 along the part. The side towards the eye is cut away, as it stood when the axis was chosen.
+  // axis: '', 'x', 'y' or 'z'; share: 0 … 1 along the part. Cut away is the side where the eye stood when the axis was chosen.
   cut(axis, share) {
     this.surface.material.uniforms.isCut.value = Boolean(axis);
     if (!axis) {
       this.renderer.clippingPlanes = [];
     } else {
       const number = 'xyz'.indexOf(axis);
-      if (axis !== this.axis) this.side = this.eye.camera.position.getComponent(number) < this.eye.target.getComponent(number) ? 1 : -1;
+      const {camera, target} = this.eye;
+      if (axis !== this.axis) this.side = camera.position.getComponent(number) < target.getComponent(number) ? 1 : -1;
       const normal = new THREE.Vector3().setComponent(number, this.side);
       this.renderer.clippingPlanes = [new THREE.Plane(normal, -this.side * (2 * share - 1) * this.half[number] * 1.001)];
     }
