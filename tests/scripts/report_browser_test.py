@@ -266,6 +266,22 @@ class Pages(unittest.TestCase):
                 self.assertTrue(element.accessible_name.strip(), element.get_attribute("outerHTML")[:200])
         self.assertGreater(seen, 40)
 
+    def test_iga_writes_and_rewrites_the_page(self):
+        folder = self.folder / "written"
+        words = [SOURCE / "scripts/iga", "modes", self.folder / "bar/part.stl", *STEEL[:6], "--modes", 1, "--span-size", 6,
+                 "-o", folder, "--bin", IGAPREP.parent, "--quiet"]
+        done = subprocess.run([*map(str, words)], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        page = folder / "report.html"
+        self.assertIn(f"written      {page}", done.stdout)
+        self.open(page, "view")
+        self.assertEqual(self.js("return document.getElementById('shape').options.length;"), 2)
+        first = page.read_text()
+        page.unlink()
+        done = subprocess.run([SOURCE / "scripts/iga", "report", folder], capture_output=True, text=True)
+        self.assertEqual((done.returncode, done.stdout), (0, f"written      {page}\n"), done.stderr)
+        self.assertEqual(page.read_text(), first)
+
     def test_foam_part_stays_small(self):
         folder = self.folder / "foam"
         folder.mkdir()

@@ -7,7 +7,7 @@ from igatools.report.files import located
 
 BUDGET = 5_000_000      # bytes of arrays in a page; a third more as base64
 MOST_VERTICES = 50_000  # of a surface: what a small computer turns without delay
-MOST_FRAMES = 60    # of a run over time
+MOST_FRAMES = 60        # of a run over time
 KINDS = {"eigen": "swing", "static": "load", "explicit": "time"}  # of motion, by analysis
 
 
@@ -59,11 +59,16 @@ class Scene:
         found = {"vertices": self.model["/surface/vertices"], "triangles": self.model["/surface/triangles"],
                  "steps": np.zeros(0)}
         if self.results and "/modes" in self.results:
-            cells, parameters = self.model["/surface/vertex_cell"], self.model["/surface/vertex_parameters"]
-            found["displacement"] = np.array([self.results.field(self.model, mode, cells, parameters)
-                                              for mode in self.results["/modes"]])
-            found["steps"] = np.arange(len(found["displacement"])) + 1.0
+            found |= self._modes_at(self.model["/surface/vertex_cell"], self.model["/surface/vertex_parameters"])
         return found
+
+    def _modes_at(self, cells, parameters):
+        try:
+            shapes = [self.results.field(self.model, mode, cells, parameters) for mode in self.results["/modes"]]
+        except ValueError as error:
+            self.notes.append(f"Modes are not drawn: {error}.")
+            return {}
+        return {"displacement": np.array(shapes), "steps": np.arange(len(shapes)) + 1.0}
 
     def _steps(self, surface):
         """(row of the fields, label) of what can be chosen."""

@@ -199,7 +199,8 @@ class Controls {
   savePicture() {
     this.view.drawNow();
     const link = document.createElement('a');
-    link.href = pictureWithScale(this.view.canvas, this.colouring, element('said').textContent).toDataURL('image/png');
+    const words = [`${document.title}.`, this.whatIsShown(), this.colouring ? this.colouring.note : ''].join(' ');
+    link.href = pictureWithScale(this.view.canvas, this.colouring, words).toDataURL('image/png');
     link.download = 'view.png';
     link.click();
   }

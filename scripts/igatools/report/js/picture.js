@@ -13,7 +13,7 @@ function pictureWithScale(view, colouring, text) {
   pen.drawImage(view, side, 0);
   pen.fillStyle = style.getPropertyValue('--ink');
   pen.font = `${14 * unit}px sans-serif`;
-  pen.fillText(text, 14 * unit, picture.height - 14 * unit);
+  pen.fillText(text, 14 * unit, picture.height - 14 * unit, picture.width - 28 * unit);
   if (colouring) drawScale(pen, colouring, unit);
   return picture;
 }
