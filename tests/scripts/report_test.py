@@ -248,6 +248,8 @@ class Plots(unittest.TestCase):
         axis = plots.linear_axis("", [-1e-9, 31])
         self.assertEqual((axis.low, axis.high, axis.ticks[:2]), (0, 35, [0, 5]))
         self.assertLess(plots.linear_axis("", [3.0, 3.0]).low, 3)
+        axis = plots.linear_axis("", [0, 4.4e-5], ends_at_ticks=False)
+        self.assertEqual((axis.high, len(axis.ticks)), (4.4e-5, 5))
 
 
 if __name__ == "__main__":

@@ -65,7 +65,7 @@ def drawn(names, rows, unit):
     columns = list(zip(*rows))
     curves = [plots.Curve(plain[k], [(row[0], row[k]) for row in shown]) for k in energies if any(columns[k])]
     values = [y for curve in curves for _, y in curve.points] or [0.0]
-    x_axis = plots.linear_axis(units.headed("Time", unit["time"]), columns[0])
+    x_axis = plots.linear_axis(units.headed("Time", unit["time"]), columns[0], ends_at_ticks=False)
     y_axis = plots.linear_axis(units.headed("Energy", unit["energy"]), values)
     lines = [[escape(plain[k]), *(tables.number(v) for v in (columns[k][0], min(columns[k]), max(columns[k]), columns[k][-1]))]
              for k in energies]

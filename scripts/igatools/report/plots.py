@@ -44,12 +44,15 @@ def log_axis(label, values, is_reversed=False):
     return Axis(label, low, high, ticks, True, is_reversed)
 
 
-def linear_axis(label, values):
+def linear_axis(label, values, ends_at_ticks=True):
     low, high = min(values), max(values)
     if high == low:
         low, high = low - 1, high + 1
     step = 10.0 ** math.floor(math.log10((high - low) / 4))
     step *= next((m for m in (1, 2, 5, 10) if (high - low) / (step * m) <= 8), 10)
+    if not ends_at_ticks:
+        ticks = range(math.ceil(low / step), math.floor(high / step) + 1)
+        return Axis(label, low, high, [k * step for k in ticks])
     first, last = math.floor(low / step + ROUNDED), math.ceil(high / step - ROUNDED)
     return Axis(label, first * step, last * step, [k * step for k in range(first, last + 1)])
 

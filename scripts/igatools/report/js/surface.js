@@ -33,7 +33,7 @@ const FRAGMENT_SHADER = `
     vec3 n = normalize(gl_FrontFacing ? direction : -direction);
     float light = 0.52 + 0.38 * max(dot(n, vec3(0.28, 0.55, 0.79)), 0.0) + 0.20 * max(dot(n, vec3(-0.70, -0.10, 0.71)), 0.0);
     vec3 colour = isColoured ? texture2D(palette, vec2(clamp(share, 0.002, 0.998), 0.5)).rgb : plain;
-    if (isColoured && share < 1.0) {
+    if (isColoured && share > 0.05 && share < 1.0) {
       float tenths = share * 10.0;
       float line = abs(fract(tenths - 0.5) - 0.5) / max(fwidth(tenths), 1e-5);
       colour *= mix(0.72, 1.0, clamp(line, 0.0, 1.0));
