@@ -2,6 +2,7 @@
 
 #include "format/model/errors.hpp"
 #include "solver/analysis/advice.hpp"
+#include "solver/analysis/field_errors.hpp"
 #include "solver/base/stopwatch.hpp"
 #include "solver/linalg/stage_progress.hpp"
 #include "solver/mechanics/largest_eigenvalue.hpp"
@@ -12,6 +13,30 @@
 namespace iga::solve {
 
 namespace {
+
+// Why errors of modes cannot be estimated; empty where they can.
+std::string no_errors(const RunSettings& run, const BodySystem& system) {
+  if (run.mass != MassType::Consistent) return "the estimate is that of the consistent mass";
+  if (!can_estimate(system)) return "at degree 1 the residual lies on the faces of the spans";
+  return "";
+}
+
+void estimate_errors(const RunSettings& run, const EigenSettings& settings, const BoundSystem& bound,
+                     EigenOutcome& outcome) {
+  if (!settings.errors.value_or(true)) return;
+  if (const std::string reason = no_errors(run, outcome.system); !reason.empty()) {
+    if (settings.errors) outcome.warnings.push_back("errors of the modes are not estimated: " + reason);
+    return;
+  }
+  Stopwatch watch(outcome.timings);
+  show_stage(run.progress, "errors");
+  const ModeSet& modes = outcome.modes;
+  const Eigen::Index first = modes.vectors.cols() - modes.elastic;
+  outcome.lambda_error = Eigen::VectorXd::Zero(modes.vectors.cols());
+  outcome.lambda_error->tail(modes.elastic) = total_errors(field_errors(
+      outcome.system, bound, modes.vectors.rightCols(modes.elastic), modes.lambda.segment(first, modes.elastic)));
+  watch.stage("errors");
+}
 
 EigenOutcome find_modes(const RunSettings& run, const EigenSettings& settings, std::span<const TrimmedModel> models) {
   if (settings.largest) refuse_multipliers(run);
@@ -42,6 +67,7 @@ EigenOutcome find_modes(const RunSettings& run, const EigenSettings& settings, s
     outcome.modes = lowest_modes(problem, settings);
     outcome.timings.insert(outcome.timings.end(), outcome.modes.timings.begin(), outcome.modes.timings.end());
     outcome.warnings.insert(outcome.warnings.end(), outcome.modes.warnings.begin(), outcome.modes.warnings.end());
+    estimate_errors(run, settings, system.bound, outcome);
   }
   return outcome;
 }

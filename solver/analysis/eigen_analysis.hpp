@@ -9,7 +9,9 @@ namespace iga::solve {
 
 /// What `igasolve eigen` reports; omega in radians per time, frequencies are omega / 2π.
 struct EigenOutcome : SystemOutcome {
-  ModeSet modes;        ///< empty under `largest`
+  ModeSet modes; ///< empty under `largest`
+  /// Estimated errors of ω² of the modes (0 of rigid ones); none where they were not asked for or cannot be told.
+  std::optional<Eigen::VectorXd> lambda_error;
   double omega_max = 0; ///< under `largest`: converged to 1e-8, no factor
   double omega_max_residual = 0;
   std::optional<ElementBound> element; ///< under `largest`

@@ -151,7 +151,7 @@ std::vector<io::TableKeys> run_keys() {
       {"material", {"name", "E", "nu", "rho", "C"}},
       {"bodies", {"light_functions", "light_threshold"}},
       {"bodies.material", {"law", "name", "E", "nu", "rho", "C"}},
-      {"eigen", {"modes", "largest", "sturm"}},
+      {"eigen", {"modes", "largest", "sturm", "errors"}},
       {"results", {"subdivide", "viewer"}},
       {"load", {"body"}},
       {"support",
@@ -232,6 +232,7 @@ TypedRun read_run_file(const std::filesystem::path& file) {
   t.modes = eigen.integer("modes");
   t.largest = eigen.boolean("largest");
   t.sturm = eigen.boolean("sturm");
+  t.errors = eigen.boolean("errors");
   io::SettingsTable results = root.table("results");
   t.subdivide = results.integer("subdivide");
   t.viewer = results.boolean("viewer");
@@ -268,6 +269,7 @@ TypedRun override_run(TypedRun t, const TypedRun& flags) {
   take(t.modes, flags.modes);
   take(t.largest, flags.largest);
   take(t.sturm, flags.sturm);
+  take(t.errors, flags.errors);
   take(t.subdivide, flags.subdivide);
   take(t.viewer, flags.viewer);
   return t;
@@ -315,6 +317,7 @@ RunSettings validate_run(const TypedRun& typed, Analysis analysis) {
   run.statics = typed.statics;
   if (typed.modes) run.eigen.modes = whole("modes", *typed.modes, 1, 1'000'000);
   run.eigen.sturm = typed.sturm;
+  run.eigen.errors = typed.errors;
   if (typed.subdivide) run.subdivide = whole("subdivide", *typed.subdivide, 1, 64);
   run.viewer = typed.viewer.value_or(true);
   return run;

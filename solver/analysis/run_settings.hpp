@@ -48,7 +48,7 @@ struct TypedRun {
   TypedMaterial material;
   const UnitSystem* unit = nullptr; ///< by complete_materials: that of the numbers; null where nobody asks for one
   std::optional<std::int64_t> modes, subdivide;
-  std::optional<bool> largest, sturm, viewer;
+  std::optional<bool> largest, sturm, errors, viewer;
   std::vector<TypedBody> bodies; ///< run files only
   std::vector<Tie> ties;         ///< run files only
   std::vector<Support> supports; ///< run files only

@@ -3,6 +3,7 @@
 #include "format/model/errors.hpp"
 #include "format/model/vec3.hpp"
 #include "solver/analysis/bound_system.hpp"
+#include "solver/analysis/field_errors.hpp"
 #include "solver/base/stopwatch.hpp"
 #include "solver/linalg/stage_progress.hpp"
 #include "solver/supports/body_choice.hpp"
@@ -235,6 +236,13 @@ double energy_defect(const StaticResult& r) {
   return larger > 0 ? std::abs(stored - done) / larger : 0;
 }
 
+std::optional<StaticErrors> relative_errors(const StaticSolution& solution) {
+  const double energy = 2 * solution.result.strain_energy; // a(u, u)
+  if (!solution.energy_error || !(energy > 0)) return std::nullopt;
+  const double share = *solution.energy_error / energy;
+  return StaticErrors{share, std::sqrt(share)};
+}
+
 std::optional<std::string> singular_place_near(const StaticSolution& solution, const std::string& body,
                                                const Point3& x) {
   const auto is_near = [&](const RegionReport& region) {
@@ -276,6 +284,47 @@ void recover_bodies(const BodySystem& system, StaticSolution& solution) {
   solution.result.points = std::move(only.points);
   solution.surface = std::move(only.surface);
   solution.bodies.clear();
+}
+
+bool is_line_or_point(const RegionReport& region) {
+  return region.extent != Extent::Surface;
+}
+
+std::string no_energy_error(const BodySystem& system, const StaticSolution& solution) {
+  if (std::any_of(solution.regions.begin(), solution.regions.end(), is_line_or_point))
+    return "under a support on a line or at a point stress grows without limit as spans get smaller";
+  if (std::any_of(solution.loads.begin(), solution.loads.end(),
+                  [](const LoadReport& load) { return is_line_or_point(load.region); }))
+    return "under a load on a line or at a point the energy grows without limit as spans get smaller";
+  if (!can_estimate(system)) return "at degree 1 the residual lies on the faces of the spans";
+  return "";
+}
+
+std::vector<BodyLoads> loads_by_body(const BodySystem& system, std::span<const Load> loads,
+                                     std::span<const std::vector<std::size_t>> bodies) {
+  std::vector<BodyLoads> all(system.size());
+  for (std::size_t k = 0; k < loads.size(); ++k)
+    for (const std::size_t b : bodies[k]) {
+      if (const auto force = volume_force(loads[k], system[b].material.density)) {
+        all[b].body_force += Eigen::Vector3d(force->data());
+        continue;
+      }
+      SurfaceLoad surface = surface_load(*system[b].space, loads[k]);
+      const auto given = [field = std::move(surface.traction)](const Point3& x, const Point3& n,
+                                                               const Eigen::Vector3d&) -> Eigen::Vector3d {
+        return Eigen::Vector3d(field(x, n).data());
+      };
+      all[b].regions.push_back({std::move(surface.region), loads[k].rigid ? BorneTraction(its_own) : given});
+    }
+  return all;
+}
+
+void estimate_error(const BodySystem& system, const BoundSystem& bound, const StaticSettings& settings,
+                    const SystemLoads& loads, StaticSolution& solution) {
+  solution.no_energy_error = no_energy_error(system, solution);
+  if (!solution.no_energy_error.empty()) return;
+  solution.energy_error = total_errors(field_errors(system, bound, solution.unknowns, Eigen::VectorXd::Zero(1),
+                                                    loads_by_body(system, settings.loads, loads.bodies)))[0];
 }
 
 void solve(const BoundSystem& bound, const RigidRegions& rigid, const Eigen::VectorXd& b, const LinearSolver& solver,
@@ -343,6 +392,9 @@ StaticSolution run_static(const RunSettings& run, const StaticSettings& settings
   solution.result.penalty_energy = rigid.energy(solution.unknowns);
   describe_forces(run, settings, system, loads, solution);
   watch.stage("fields");
+  show_stage(run.progress, "errors");
+  estimate_error(system, bound, settings, loads, solution);
+  watch.stage("errors");
   return solution;
 }
 

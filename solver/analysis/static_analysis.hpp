@@ -37,10 +37,13 @@ struct StaticSolution {
   std::vector<std::string> probe_bodies; ///< by probe; empty names where there is one body
   std::vector<std::pair<std::size_t, RigidMotion>> motions; ///< of rigid regions, with the numbers of their loads
   std::vector<TieReport> ties;
-  std::vector<TieForce> tie_forces;         ///< about the origin
-  FieldSamples surface;                     ///< one step, at model.surface.quadrature; of one body
-  LargestValue largest_displacement;        ///< length, over quadrature points of volume and surface
-  LargestValue largest_von_mises;           ///< force/length², over the same points
+  std::vector<TieForce> tie_forces;  ///< about the origin
+  FieldSamples surface;              ///< one step, at model.surface.quadrature; of one body
+  LargestValue largest_displacement; ///< length, over quadrature points of volume and surface
+  LargestValue largest_von_mises;    ///< force/length², over the same points
+  /// Estimated a(e, e) of the error e of the displacements, force · length; none where it cannot be told.
+  std::optional<double> energy_error;
+  std::string no_energy_error;              ///< why not
   double residual = 0;                      ///< ‖f - K u - Cᵀ λ‖ / ‖f‖ after one step of refinement
   Point3 force_balance{}, moment_balance{}; ///< Σ loads + Σ reactions
   std::vector<std::string> warnings;        ///< of supports and loads on lines and at points
@@ -54,6 +57,14 @@ struct StaticSolution {
 /// @param body  name of the place's body; empty where there is one body
 std::optional<std::string> singular_place_near(const StaticSolution& solution, const std::string& body,
                                                const Point3& x);
+
+/// Estimated errors, relative: of the strain energy, and of strains and stresses in the mean over the part (energy
+/// norm).
+struct StaticErrors {
+  double strain_energy = 0, energy_norm = 0;
+};
+/// None where there is no estimate, or nothing to relate it to.
+std::optional<StaticErrors> relative_errors(const StaticSolution& solution);
 
 /// What is missing between the two sides of the energy balance (StaticResult), relative to the larger one.
 double energy_defect(const StaticResult& result);

@@ -92,25 +92,35 @@ Eigen::VectorXd traction_load(const SolutionSpace& space, const SurfaceRegion& r
   return f;
 }
 
+SurfaceLoad surface_load(const SolutionSpace& space, const Load& load) {
+  const std::string what = fmt::format("load '{}'", load.name);
+  SurfaceLoad surface;
+  surface.region = load.place.given() ? choose_places(space.model(), load.place, what)
+                                      : choose_region(space.model(), load.region, what);
+  surface.traction = traction_of(space.model(), load, surface.region, what);
+  return surface;
+}
+
+std::optional<Point3> volume_force(const Load& load, double density) {
+  const Point3 vector = in_part_frame(load.frame, load.vector);
+  if (load.kind == LoadKind::BodyForce) return vector;
+  if (load.kind == LoadKind::Acceleration) return times(vector, density);
+  return std::nullopt;
+}
+
 LoadTerms assemble_loads(const SolutionSpace& space, double density, std::span<const Load> loads) {
   LoadTerms terms;
   terms.load = Eigen::VectorXd::Zero(space.num_unknowns());
   for (const Load& load : loads) {
     LoadReport report;
     report.name = load.name;
-    const Point3 vector = in_part_frame(load.frame, load.vector);
-    if (load.kind == LoadKind::BodyForce) {
-      terms.load += volume_load(space, vector, report);
-    } else if (load.kind == LoadKind::Acceleration) {
-      terms.load += volume_load(space, times(vector, density), report);
+    if (const auto force = volume_force(load, density)) {
+      terms.load += volume_load(space, *force, report);
     } else {
-      const std::string what = fmt::format("load '{}'", load.name);
-      SurfaceRegion region = load.place.given() ? choose_places(space.model(), load.place, what)
-                                                : choose_region(space.model(), load.region, what);
-      const TractionField traction = traction_of(space.model(), load, region, what);
-      report.region = region.report;
+      const SurfaceLoad surface = surface_load(space, load);
+      report.region = surface.region.report;
       report.region.name = load.name;
-      terms.load += traction_load(space, region, traction, report);
+      terms.load += traction_load(space, surface.region, surface.traction, report);
     }
     terms.reports.push_back(std::move(report));
   }

@@ -58,6 +58,16 @@ LoadTerms assemble_loads(const SolutionSpace& space, double density, std::span<c
 /// Traction (force/length²) at a position with an outward unit normal.
 using TractionField = std::function<Point3(const Point3& position, const Point3& normal)>;
 
+/// A load on surface, a line or a point: where, and as traction (on a line force/length, at a point force).
+struct SurfaceLoad {
+  SurfaceRegion region;
+  TractionField traction;
+};
+/// @pre the load acts on no volume. Throws as assemble_loads.
+SurfaceLoad surface_load(const SolutionSpace& space, const Load& load);
+/// Force/length³ of a load that acts on the volume.
+std::optional<Point3> volume_force(const Load& load, double density);
+
 /// f_i = ∫ N_i t dA over a region; the report gets its resultants. (num_unknowns)
 Eigen::VectorXd traction_load(const SolutionSpace& space, const SurfaceRegion& region, const TractionField& traction,
                               LoadReport& report);

@@ -30,7 +30,7 @@ memory is exit code 2 and says so.)";
 const char* const analysis_footer =
     R"(Any consistent set of units: E in force/length², rho in mass/length³, frequencies in cycles per time. The run file
 (.toml) holds the flags' names with underscores: model, output, units, unit_system, material, materials, mass,
-light_functions, light_threshold; [material] name, E, nu, rho or C; [eigen] modes, largest, sturm; [results] subdivide,
+light_functions, light_threshold; [material] name, E, nu, rho or C; [eigen] modes, largest, sturm, errors; [results] subdivide,
 viewer; [[support]], [[load]], [[probe]].
 Several bodies, instead of model: [[bodies]] name, model, material, place, light_functions, light_threshold; [[ties]] name,
 bodies, first, second, tolerance, method, penalty_factor join their surfaces; supports, loads and probes say their body.
@@ -204,6 +204,9 @@ std::optional<Command> parse_command_line(int argc, const char* const* argv) {
   io::add_switch(*eigen, "--largest", analysis.typed.largest, "The largest eigenfrequency alone")->group("Method");
   io::add_switch(*eigen, "--sturm,!--no-sturm", analysis.typed.sturm,
                  "Prove by a Sturm count that no mode is missing [below 100 000 unknowns]")
+      ->group("Method");
+  io::add_switch(*eigen, "--errors,!--no-errors", analysis.typed.errors,
+                 "Estimate the error of each mode from what it leaves of the equations (degree 2 and more)")
       ->group("Method");
   add_results(*eigen, analysis.typed);
   CLI::App* timestep = add_analysis(app, "timestep", "Largest stable time step of explicit dynamics", raw, analysis);

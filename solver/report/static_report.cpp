@@ -116,6 +116,13 @@ std::string static_text(const StaticSolution& s, const BodySystem& system) {
       "  = work of the loads {:.8g} + of the reactions on prescribed displacements {:.8g} + of the stress on "
       "what {} give way {:.8g}; off by {:.2g}",
       r.external_work, r.support_work, holders, r.gap_work, energy_defect(r)));
+  if (const auto errors = relative_errors(s))
+    line(fmt::format(
+        "estimated errors on this grid: strain energy {:.2g} %, stresses {:.2g} % in the mean over the part "
+        "(energy norm), from what\n  the solution leaves of the equations; peaks of stress may be farther off",
+        100 * errors->strain_energy, 100 * errors->energy_norm));
+  else if (!s.no_energy_error.empty())
+    line("no estimate of errors: " + s.no_energy_error);
   for (const auto& [what, largest] :
        {std::pair{"displacement", &s.largest_displacement}, std::pair{"von Mises stress", &s.largest_von_mises}})
     line(fmt::format("largest {} {:.6g} at {}{}", what, largest->value, text(largest->at),
@@ -173,6 +180,11 @@ JsonObject static_json(const StaticSolution& s, const BodySystem& system) {
   report.add("strain_energy", s.result.strain_energy).add("external_work", s.result.external_work);
   report.add("support_work", s.result.support_work).add("gap_work", s.result.gap_work);
   report.add("penalty_energy", s.result.penalty_energy).add("energy_defect", energy_defect(s.result));
+  if (const auto errors = relative_errors(s))
+    report.add("error_estimate",
+               JsonObject().add("strain_energy", errors->strain_energy).add("energy_norm", errors->energy_norm));
+  else if (!s.no_energy_error.empty())
+    report.add("no_error_estimate", s.no_energy_error);
   add_largest(report, "largest_displacement", s.largest_displacement, system);
   add_largest(report, "largest_von_mises", s.largest_von_mises, system);
   if (const auto place =

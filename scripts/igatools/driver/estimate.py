@@ -105,10 +105,12 @@ def pair_modes(coarse_frequencies, coarse, fine_frequencies, fine, weights):
     for k in range(fine_cluster[-1] + 1):
         own = fine_cluster == k
         shared[:, own] = np.maximum(shared[:, own], span_share(fine[own], coarse, weights)[:, None])
-    # Shape decides; of equal shapes the order of frequencies.
+    # Shape decides: first that of the cluster, then the mode's own, so that modes of one cluster that change places are
+    # told apart; of equal shapes the order of frequencies.
     n, m = shared.shape
     order = np.abs(np.arange(n)[:, None] - np.arange(m)[None, :])
-    rows, columns = linear_sum_assignment(1 - shared + 1e-3 * order / max(n, m))
+    own = np.array([span_share(shape[None], fine, weights) for shape in coarse])
+    rows, columns = linear_sum_assignment(1 - shared + 1e-2 * (1 - own) + 1e-3 * order / max(n, m))
     partner, agreement = np.full(m, -1), np.zeros(m)
     for row, column in zip(rows, columns):
         agreement[column] = shared[row, column]

@@ -1,0 +1,252 @@
+#include "solver/estimate/residual_estimate.hpp"
+
+#include "format/model/vec3.hpp"
+#include "solver/estimate/cell_residual.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+namespace iga::solve {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+// Test functions: for each direction the leading oscillation and the next one.
+constexpr int orders = 2, tests = 3 * orders;
+int direction_of(Index j) {
+  return static_cast<int>(j) / orders;
+}
+
+// A trimmed cell's correction reaches into its neighbours: it has at least this share of a span to store its energy in.
+constexpr double least_share = 0.25;
+
+Rotation transposed(const Rotation& R) {
+  Rotation T{};
+  for (std::size_t r = 0; r < 3; ++r)
+    for (std::size_t c = 0; c < 3; ++c) T[r][c] = R[c][r];
+  return T;
+}
+
+Eigen::Vector3d as_vector(const Point3& x) {
+  return {x[0], x[1], x[2]};
+}
+
+// Integrals of the tests against derivatives of the monomials: what multiplies a cell's fields.
+struct Moments {
+  MatrixXd value;  // (tests × monomials): ∫ w_j φ dV
+  MatrixXd second; // (6 tests × monomials); row 6 j + v: ∫ w_j ∂²_v φ dV
+};
+
+class Residuals {
+ public:
+  explicit Residuals(const ResidualProblem& problem)
+      : problem_(problem), space_(*problem.space), model_(space_.model()), grid_(model_.grid), monomials_(grid_),
+        C_(turned(*problem.material, transposed(grid_.rotation())).C), fields_(problem.unknowns.cols()) {
+    const auto p = grid_.degree();
+    const Point3 h = grid_.span_size();
+    for (std::size_t d = 0; d < 3; ++d)
+      for (int n = 1; n <= orders; ++n) {
+        oscillations_.emplace_back(p[d] + n);
+        Eigen::Matrix3d acoustic;
+        for (int k = 0; k < 3; ++k)
+          for (int l = 0; l < 3; ++l) acoustic(k, l) = C_(voigt_place[k][d], voigt_place[l][d]);
+        const double scale = oscillations_.back().slope_squared() / (h[d] * h[d]) * grid_.span_volume();
+        softness_.push_back((acoustic * scale).inverse());
+      }
+    for (int k = 0; k < 3; ++k)
+      for (int i = 0; i < 3; ++i)
+        for (int l = 0; l < 3; ++l)
+          for (int m = 0; m < 3; ++m) {
+            const double c = C_(voigt_place[k][i], voigt_place[l][m]);
+            divergence_(k, voigt_place[i][m] + 6 * l) += c;
+            traction_(k, 3 * i + m + 9 * l) = c;
+          }
+    whole_ = whole_span();
+    body_force_ = as_vector(grid_.along_axes({problem.body_force[0], problem.body_force[1], problem.body_force[2]}));
+  }
+
+  MatrixXd energies() {
+    const auto cells = static_cast<Index>(model_.num_cells());
+    MatrixXd energy(cells, fields_);
+    std::vector<MatrixXd> loaded = loaded_residuals();
+    tbb::enumerable_thread_specific<SpanShapes> shapes;
+    tbb::parallel_for(Index{0}, cells, [&](Index a) {
+      const CellFields fields = monomials_.fields(space_, a, problem_.unknowns, shapes.local());
+      MatrixXd r = inside(model_.is_interior(static_cast<std::size_t>(a)) ? whole_ : of_points(a), fields);
+      if (!surface_parameters(model_, a).empty()) r -= on_surface(surface_moments(a), fields);
+      if (loaded[static_cast<std::size_t>(a)].size() > 0) r += loaded[static_cast<std::size_t>(a)];
+      energy.row(a) = energy_of(a, r);
+    });
+    return energy;
+  }
+
+ private:
+  // w_q w_j(ξ_q); (points × tests)
+  MatrixXd weighted_tests(const Eigen::MatrixX3d& xi, std::span<const double> weights) const {
+    MatrixXd W(xi.rows(), tests);
+    for (Index j = 0; j < tests; ++j)
+      for (Index q = 0; q < xi.rows(); ++q)
+        W(q, j) = weights[static_cast<std::size_t>(q)] *
+                  oscillations_[static_cast<std::size_t>(j)].value(xi(q, direction_of(j)));
+    return W;
+  }
+
+  // Rows of Σ_q W(q, j) table(q, part · monomials + n), `parts` for each test.
+  MatrixXd summed(const MatrixXd& W, const MatrixXd& table) const {
+    const Index n = monomials_.size(), parts = table.cols() / n;
+    const MatrixXd sums = W.transpose() * table;
+    MatrixXd rows(W.cols() * parts, n);
+    for (Index j = 0; j < W.cols(); ++j)
+      for (Index part = 0; part < parts; ++part) rows.row(parts * j + part) = sums.block(j, part * n, 1, n);
+    return rows;
+  }
+
+  Moments of_volume(const Eigen::MatrixX3d& xi, std::span<const double> weights) const {
+    const MatrixXd W = weighted_tests(xi, weights);
+    return {summed(W, monomials_.values(xi)), summed(W, monomials_.second_derivatives(xi))};
+  }
+
+  Moments whole_span() const {
+    std::array<Eigen::MatrixX2d, 3> rule;
+    for (std::size_t d = 0; d < 3; ++d) rule[d] = gauss_rule(grid_.degree()[d] + orders);
+    const Index size = rule[0].rows() * rule[1].rows() * rule[2].rows();
+    Eigen::MatrixX3d xi(size, 3);
+    std::vector<double> weights;
+    for (Index q = 0; q < size; ++q) {
+      const Index at[3] = {q % rule[0].rows(), q / rule[0].rows() % rule[1].rows(),
+                           q / (rule[0].rows() * rule[1].rows())};
+      weights.push_back(grid_.span_volume());
+      for (std::size_t d = 0; d < 3; ++d) {
+        xi(q, static_cast<Index>(d)) = rule[d](at[d], 0);
+        weights.back() *= rule[d](at[d], 1);
+      }
+    }
+    return of_volume(xi, weights);
+  }
+
+  Index3 span_of(Index a) const { return grid_.span_index(model_.cells.span[static_cast<std::size_t>(a)]); }
+
+  Moments of_points(Index a) const {
+    return of_volume(monomials_.local(span_of(a), cell_parameters(model_, a)), cell_weights(model_, a));
+  }
+
+  // (9 tests × monomials); row 9 j + 3 i + m: ∫ w_j n_i ∂_m φ dA
+  MatrixXd surface_moments(Index a) const {
+    const SurfacePoints& surface = model_.surface.quadrature;
+    const auto first = static_cast<std::size_t>(surface.offsets[static_cast<std::size_t>(a)]),
+               last = static_cast<std::size_t>(surface.offsets[static_cast<std::size_t>(a) + 1]);
+    const Eigen::MatrixX3d xi = monomials_.local(span_of(a), surface_parameters(model_, a));
+    const MatrixXd W = weighted_tests(xi, std::span(surface.weights).subspan(first, last - first));
+    MatrixXd by_normal(xi.rows(), 3 * tests); // column 3 j + i
+    for (Index q = 0; q < xi.rows(); ++q) {
+      const double* normal = &surface.normals[3 * (first + static_cast<std::size_t>(q))];
+      const Point3 along = grid_.along_axes({normal[0], normal[1], normal[2]});
+      for (Index j = 0; j < tests; ++j)
+        for (Index i = 0; i < 3; ++i) by_normal(q, 3 * j + i) = W(q, j) * along[static_cast<std::size_t>(i)];
+    }
+    return summed(by_normal, monomials_.gradients(xi));
+  }
+
+  // ∫ (div σ + λ ρ u + b) · w_j e_k dV in row 3 j + k; (3 tests × fields)
+  MatrixXd inside(const Moments& moments, const CellFields& fields) const {
+    const MatrixXd value = moments.value * fields, second = moments.second * fields;
+    const Eigen::VectorXd volume = moments.value.col(0); // the monomial of degree 0 comes first
+    MatrixXd r(3 * tests, fields_);
+    for (Index f = 0; f < fields_; ++f) {
+      const double inertia = problem_.lambda[f] * problem_.material->density;
+      for (Index j = 0; j < tests; ++j)
+        r.block<3, 1>(3 * j, f) = divergence_ * second.block<6, 3>(6 * j, 3 * f).reshaped() +
+                                  inertia * value.block<1, 3>(j, 3 * f).transpose() + volume[j] * body_force_;
+    }
+    return r;
+  }
+
+  // ∫ σ n · w_j e_k dA likewise.
+  MatrixXd on_surface(const MatrixXd& moments, const CellFields& fields) const {
+    const MatrixXd slopes = moments * fields;
+    MatrixXd r(3 * tests, fields_);
+    for (Index f = 0; f < fields_; ++f)
+      for (Index j = 0; j < tests; ++j)
+        r.block<3, 1>(3 * j, f) = traction_ * slopes.block<9, 3>(9 * j, 3 * f).reshaped();
+    return r;
+  }
+
+  Eigen::RowVectorXd energy_of(Index a, const MatrixXd& r) const {
+    const double filled = std::max(model_.cells.volume_fraction[static_cast<std::size_t>(a)], least_share);
+    Eigen::RowVectorXd energy = Eigen::RowVectorXd::Zero(fields_);
+    for (Index j = 0; j < tests; ++j) {
+      const auto part = r.middleRows<3>(3 * j);
+      energy += part.cwiseProduct(softness_[static_cast<std::size_t>(j)] * part).colwise().sum() / filled;
+    }
+    return energy;
+  }
+
+  // What regions that bear traction add: Σ w t · w_j, by cell; empty elsewhere.
+  std::vector<MatrixXd> loaded_residuals() const {
+    std::vector<MatrixXd> all(model_.num_cells());
+    SpanShapes shapes;
+    for (const LoadedRegion& loaded : problem_.loaded)
+      for (std::size_t s = 0; s < loaded.region.cells.size(); ++s) {
+        const PointBatch batch = gather(model_, loaded.region, s);
+        MatrixXd& r = all[static_cast<std::size_t>(batch.cell)];
+        if (r.size() == 0) r.setZero(3 * tests, fields_);
+        add_traction(batch, loaded.traction, shapes, r);
+      }
+    return all;
+  }
+
+  void add_traction(const PointBatch& batch, const BorneTraction& traction, SpanShapes& shapes, MatrixXd& r) const {
+    const Eigen::MatrixX3d xi = monomials_.local(span_of(batch.cell), batch.parameters);
+    const MatrixXd W = weighted_tests(xi, batch.weights), gradients = monomials_.gradients(xi);
+    const CellFields fields = monomials_.fields(space_, batch.cell, problem_.unknowns, shapes);
+    const Index n = monomials_.size();
+    for (Index q = 0; q < xi.rows(); ++q) {
+      const Point3& normal = batch.normals[static_cast<std::size_t>(q)];
+      const Eigen::Vector3d along = as_vector(grid_.along_axes(normal));
+      Eigen::Matrix3Xd by(3, fields.cols()); // row m: ∂_m u
+      for (Index m = 0; m < 3; ++m) by.row(m) = gradients.block(q, m * n, 1, n) * fields;
+      for (Index f = 0; f < fields_; ++f) {
+        Eigen::Matrix<double, 9, 3> slopes; // n_i ∂_m u_l
+        for (Index i = 0; i < 3; ++i) slopes.middleRows<3>(3 * i) = along[i] * by.middleCols<3>(3 * f);
+        const Eigen::Vector3d own = traction_ * slopes.reshaped();
+        const Eigen::Vector3d borne = traction(batch.positions[static_cast<std::size_t>(q)], normal, rotation() * own);
+        const Eigen::Vector3d t = rotation().transpose() * borne;
+        for (Index j = 0; j < tests; ++j) r.block<3, 1>(3 * j, f) += W(q, j) * t;
+      }
+    }
+  }
+
+  Eigen::Matrix3d rotation() const {
+    Eigen::Matrix3d R;
+    for (std::size_t r = 0; r < 3; ++r)
+      for (std::size_t c = 0; c < 3; ++c) R(static_cast<Index>(r), static_cast<Index>(c)) = grid_.rotation()[r][c];
+    return R;
+  }
+
+  const ResidualProblem& problem_;
+  const SolutionSpace& space_;
+  const TrimmedModel& model_;
+  const SplineGrid& grid_;
+  CellMonomials monomials_;
+  VoigtMatrix C_; // in the grid's axes
+  Index fields_;
+  std::vector<Oscillation> oscillations_; // (tests)
+  std::vector<Eigen::Matrix3d> softness_; // (tests): A⁻¹ on a whole span
+  /// ∂_i σ_ki from second derivatives (column v + 6 l: of u_l), σ_ki n_i from n_i ∂_m u_l (column 3 i + m + 9 l).
+  Eigen::Matrix<double, 3, 18> divergence_ = Eigen::Matrix<double, 3, 18>::Zero();
+  Eigen::Matrix<double, 3, 27> traction_;
+  Moments whole_;
+  Eigen::Vector3d body_force_; // in the grid's axes
+};
+
+} // namespace
+
+MatrixXd residual_energy(const ResidualProblem& problem) {
+  return Residuals(problem).energies();
+}
+
+} // namespace iga::solve
