@@ -14,7 +14,7 @@ import numpy as np
 ROOT, IGAPREP, IGASOLVE = sys.argv[1:4]
 sys.path.insert(0, str(Path(ROOT) / "scripts"))
 import parts  # noqa: E402
-from igatools.driver import estimate  # noqa: E402
+from igatools.driver import estimate, singular  # noqa: E402
 
 
 def sequence(order, first=1.0, factor=0.1, grids=4, ratio=1.5):
@@ -74,11 +74,13 @@ class Estimates(unittest.TestCase):
 
     def test_reentrant_edges(self):
         """An L has one, a box and an open fillet of fine facets have none."""
-        self.assertFalse(estimate.has_reentrant_edges(*prism([(0, 0), (2, 0), (2, 1), (0, 1)])))
-        self.assertTrue(estimate.has_reentrant_edges(*prism([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)])))
+        self.assertEqual(len(singular.reentrant_edges(*prism([(0, 0), (2, 0), (2, 1), (0, 1)]))), 0)
+        found = singular.reentrant_edges(*prism([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]))
+        self.assertEqual(sorted(map(tuple, found[0])), [(1, 1, 0), (1, 1, 1)])
+        self.assertEqual(len(found), 1)
         turn = np.linspace(-np.pi / 2, -np.pi, 12)
         fillet = [(2 + np.cos(t), 2 + np.sin(t)) for t in turn]
-        self.assertFalse(estimate.has_reentrant_edges(*prism([(0, 0), (2, 0), *fillet, (0, 2)])))
+        self.assertEqual(len(singular.reentrant_edges(*prism([(0, 0), (2, 0), *fillet, (0, 2)]))), 0)
 
     def test_two_grids_and_one(self):
         sizes, values = sequence(1.5, grids=2)

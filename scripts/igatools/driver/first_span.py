@@ -1,0 +1,44 @@
+"""The span size of the first grid, from what igaprep says about the part."""
+import math
+
+ALONG = 12             # spans along the longest side, where nothing asks for smaller ones
+THIN_SHARE = 0.2       # of the volume: where less of it lies in thin walls, finer grids are left to find them
+MOST_FUNCTIONS = 6000  # of a first grid: some seconds
+
+
+def power(quotient, ratio):
+    """The power of the ratio that gives the quotient."""
+    return math.log(quotient) / math.log(ratio)
+
+
+def functions(volume, area, degree, size):
+    """Rough number of B-splines that see material: one for each span inside, and along the surface p + 1 layers of half a span."""
+    return volume / size**3 + (degree + 1) * area / (2 * size**2)
+
+
+def smallest(volume, area, degree):
+    """The size with MOST_FUNCTIONS."""
+    low, high = 1e-9 * math.sqrt(area), math.sqrt(area)
+    for _ in range(80):
+        middle = math.sqrt(low * high)
+        low, high = (middle, high) if functions(volume, area, degree, middle) > MOST_FUNCTIONS else (low, middle)
+    return high
+
+
+def size(prep, degree):
+    """Size, and a sentence where the walls want a smaller one than a first grid can have. prep: report of igaprep for ALONG spans."""
+    usual = min(prep["grid"]["span_size"])
+    wall, gap, wanted = prep.get("thinnest_wall"), prep.get("narrowest_gap"), usual
+    is_thin = wall and prep["thin_wall_volume_share"] > THIN_SHARE
+    if is_thin:
+        wanted = min(wanted, wall["span_size"])
+    if gap:
+        # Walls across a gap move on their own whatever the span size; only where it ends do spans of its width help.
+        wanted = min(wanted, max(gap["width"], usual / 2))
+    least = smallest(prep["volume"], prep["area"], degree)
+    first = max(wanted, min(usual, least))
+    note = None
+    if is_thin and first > 1.05 * wall["span_size"]:
+        note = (f"walls of {wall['thickness']:.3g} want spans of {wall['span_size']:.3g}; the first grid has {first:.3g}, since finer "
+                "ones would be large")
+    return first, note

@@ -1,0 +1,278 @@
+"""What all commands of iga share: finer and finer grids of one part, until the estimated errors are below the tolerance, or until
+memory or time would not do; files of earlier calls that still hold; the report."""
+import shlex
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from igatools import iga_model
+from igatools.driver import first_span, run_file, singular
+from igatools.driver.kept import Kept, hash_of_file, key_of
+from igatools.driver.programs import RunError, Failed, free_memory_gib
+
+REFINEMENT = 1.5      # span size over that of the next grid
+MEMORY_SHARE = 0.8    # of what is free
+CAD_ENDINGS = (".step", ".stp", ".iges", ".igs", ".brep", ".brp")
+GIB = 2**30
+
+
+@dataclass
+class Grid:
+    """One grid and what was found on it."""
+    span_size: float
+    model: Path
+    results: Path
+    prep: dict    # report of igaprep
+    report: dict  # of igasolve
+    commands: list
+    found: dict = field(default_factory=dict)  # the command's own
+
+    @property
+    def seconds(self):
+        return self.prep["wall_seconds"] + self.report["wall_seconds"]
+
+
+class GridRun:
+    """A command; options: see `iga <command> --help`. Commands say how to solve() one grid, how to estimate(), what to report."""
+    COMMAND = ANALYSIS = ""
+    PREP = ("--trimmed", "nnls")
+    # Work of the next grid: powers of the number of spans along a side. Those of a factor are 6 and 4 in the limit.
+    TIME_POWER, MEMORY_POWER = 5.0, 4.0
+    MOST_GRIDS = None  # where no tolerance is given, grids beyond two would be for nothing
+
+    def __init__(self, programs, options):
+        self.programs, self.options, self.progress = programs, options, programs.progress
+        self.kept = Kept(options.output, not options.fresh)
+        self.grids, self.notes = [], []
+        self.settings = run_file.read(options.run) if options.run else {}
+        self.interrupted = False
+        self.reused = 0
+        self.started = time.monotonic()
+        self.part_hash = hash_of_file(options.part)
+        self.singular_lines = None
+
+    # ------------------------------------------------------------------------------------------------ what commands bring
+
+    def solve(self, number, model, prep):
+        """Name of the results file, report of igasolve and its command line."""
+        raise NotImplementedError
+
+    def measure(self, grid):
+        """Fills grid.found."""
+        raise NotImplementedError
+
+    def estimate(self):
+        """Errors on the finest grid."""
+        raise NotImplementedError
+
+    def errors(self):
+        """Relative errors that the tolerance is held against; None: not known."""
+        raise NotImplementedError
+
+    def findings(self):
+        """Entries of the report that belong to the command."""
+        raise NotImplementedError
+
+    def begin(self):
+        """Before the first grid, the coarse model "model_first.h5" is there."""
+
+    # ------------------------------------------------------------------------------------------------------- the sequence
+
+    def run(self):
+        try:
+            self.refine()
+        except KeyboardInterrupt:
+            if not self.grids:
+                raise
+            self.interrupted = True
+            self.notes.append(f"interrupted: what stands here is that of the first {len(self.grids)} grids"
+                              if len(self.grids) > 1 else "interrupted: what stands here is that of the first grid alone")
+        return self.report()
+
+    def refine(self):
+        self.progress.begin("first look at the part")
+        self.first = self.prepare("model_first.h5", "--spans", first_span.ALONG)
+        self.begin()
+        size = self.options.span_size
+        if not size:
+            size, note = first_span.size(self.first, self.options.degree)
+            self.notes += [note] if note else []
+        chord = self.chord(size)
+        while True:
+            try:
+                self.grids.append(self.next_grid(size, chord))
+            except RunError as failure:
+                if not self.grids or failure.code not in (2, 4):
+                    raise
+                self.notes.append(f"spans of {size:.4g} failed: {failure}")
+                return
+            self.estimate()
+            self.tell()
+            if self.is_good_enough():
+                return
+            size /= REFINEMENT
+            if reason := self.no_room_for(size):
+                self.notes.append(reason)
+                return
+
+    def next_grid(self, size, chord):
+        number = len(self.grids) + 1
+        self.progress.begin(f"grid {number}, spans of {size:.4g}", self.expected_seconds(size))
+        self.progress.stage("model")
+        name = f"model_{number}.h5"
+        prep = self.prepare(name, "--span-size", f"{size:.12g}", *chord)
+        commands = [self.command("igaprep", self.prepare_words("--span-size", f"{size:.12g}", *chord), name)]
+        self.refuse_beyond_memory(name)
+        self.progress.stage("solving")
+        results, report, command = self.solve(number, self.options.output / name, prep)
+        grid = Grid(size, self.options.output / name, self.options.output / results, prep, report, [*commands, command])
+        self.progress.stage("reading results")
+        self.measure(grid)
+        return grid
+
+    # ---------------------------------------------------------------------------------------------- programs, files, limits
+
+    def made(self, name, program, words, inputs=(), asked=None, settings=()):
+        """The report of the program that makes the file `name` in the output folder, run where no earlier one holds.
+        inputs: what it reads, as hashes or keys; asked: number by which a larger one serves as well, passed by `settings`."""
+        key = key_of(self.programs.identity(program), *words, *inputs)
+        found = self.kept.find(name, key, asked or 0)
+        if found:
+            self.reused += 1
+            return found
+        self.kept.forget(name)
+        found = self.programs.run(program, *words, *settings, "-o", self.options.output / name, "--force")
+        self.kept.keep(name, key, found, asked or 0)
+        return found
+
+    def key_of(self, name):
+        return self.kept.entries[name]["key"]
+
+    def command(self, program, words, name):
+        """A line that a user may repeat."""
+        return shlex.join([program, *map(str, words), "-o", str(self.options.output / name), "--force"])
+
+    def prepare_words(self, *words):
+        o = self.options
+        unit = ["--length-unit", o.length_unit] if o.length_unit else []
+        return [o.part, "--degree", o.degree, *self.PREP, *unit, *o.igaprep, *words]
+
+    def prepare(self, name, *words):
+        return self.made(name, "igaprep", self.prepare_words(*words), [self.part_hash])
+
+    def chord(self, size):
+        """One surface for all grids, the finer the smaller the tolerance: a thousandth of the first span at one per cent."""
+        finer = min(1.0, max(0.1, (self.options.tolerance or 0.01) / 0.01))
+        return ["--chord", f"{1e-3 * size * finer:.12g}"] if self.options.part.suffix.lower() in CAD_ENDINGS else []
+
+    def read_model(self, name):
+        return iga_model.read(self.options.output / name)
+
+    def refuse_beyond_memory(self, name):
+        found = self.programs.run("igasolve", "info", self.options.output / name)
+        need = found["memory_estimate"][f"{self.ANALYSIS}_bytes"] / GIB
+        limit = self.options.memory or MEMORY_SHARE * free_memory_gib()
+        if need > limit:
+            raise Failed(f"igasolve would need {need:.2g} GiB, {limit:.2g} GiB may be used (--memory)", 2)
+
+    def time_power(self):
+        """How the time of a grid goes with the number of spans along a side: as seen on the last two grids, within reason."""
+        if len(self.grids) < 2 or min(grid.seconds for grid in self.grids[-2:]) < 1:  # below a second start-up counts too
+            return self.TIME_POWER
+        before, last = self.grids[-2:]
+        seen = first_span.power(last.seconds / before.seconds, before.span_size / last.span_size)
+        return min(max(seen, self.TIME_POWER - 2), self.TIME_POWER + 1.5)
+
+    def expected_seconds(self, size):
+        return self.grids[-1].seconds * (self.grids[-1].span_size / size) ** self.time_power() if self.grids else None
+
+    def no_room_for(self, size):
+        if self.MOST_GRIDS and len(self.grids) >= self.MOST_GRIDS and self.options.tolerance is None:
+            return None
+        spent, more = time.monotonic() - self.started, self.expected_seconds(size)
+        if spent + more <= self.options.max_time:
+            return None
+        return (f"spans of {size:.4g} would take about {more:.0f} s more, beyond --max-time {self.options.max_time:.0f} s "
+                f"({spent:.0f} s are spent)")
+
+    # ------------------------------------------------------------------------------------------------------- what came out
+
+    def is_singular(self, model):
+        """Has the part lines on which stress has no limit? Found once, on the surface that all grids share."""
+        if self.singular_lines is None:
+            self.singular_lines = {
+                "a sharp re-entrant edge": singular.reentrant_edges(model["/surface/vertices"], model["/surface/triangles"]),
+                "the end of a support": singular.support_ends(self.supports(), model)}
+        return any(len(lines) for lines in self.singular_lines.values())
+
+    def supports(self):
+        return self.settings.get("support", [])
+
+    def worst(self):
+        errors = self.errors()
+        return None if not errors or None in errors else max(errors)
+
+    def is_good_enough(self):
+        if self.options.tolerance is None:
+            return len(self.grids) >= 2
+        worst = self.worst()
+        return worst is not None and worst <= self.options.tolerance
+
+    def reached(self):
+        return not self.interrupted and (self.options.tolerance is None or self.is_good_enough())
+
+    def tell(self):
+        worst, grid = self.worst(), self.grids[-1]
+        self.progress.say(f"grid {len(self.grids)}: spans of {grid.span_size:.4g}, {self.unknowns(grid)} unknowns, "
+                          f"{grid.seconds:.1f} s, largest estimated error "
+                          + ("not known" if worst is None else f"{100 * worst:.2g} %"))
+
+    def unknowns(self, grid):
+        return grid.report["unknowns"]
+
+    def needed(self, order):
+        """What the tolerance would want, where it was not reached: a sentence, or None where nothing can be told."""
+        worst = self.worst()
+        if self.options.tolerance is None or not worst or worst <= self.options.tolerance:
+            return None
+        finer = (worst / self.options.tolerance) ** (1 / order)
+        last = self.grids[-1]
+        return (f"reached is an error of {100 * worst:.2g} %; {100 * self.options.tolerance:.2g} % would want spans of about "
+                f"{last.span_size / finer:.2g}, about {words_for_seconds(last.seconds * finer ** self.time_power())} and "
+                f"{self.programs.peak_memory_mib / 1024 * finer ** self.MEMORY_POWER:.1g} GiB for that grid alone")
+
+    def report(self):
+        finest = self.grids[-1]
+        if not self.reached() and (words := self.needed(self.order_relied_on())):
+            self.notes.append(words)
+        common = {
+            "command": self.COMMAND, "part": str(self.options.part), "material": self.material(),
+            "tolerance": self.options.tolerance, "reached": self.reached(), "interrupted": self.interrupted,
+            "length_unit": finest.prep["length_unit"], "mass": self.mass(),
+            "span_sizes": [grid.span_size for grid in self.grids], "unknowns": [self.unknowns(grid) for grid in self.grids],
+            "grids": [{"span_size": grid.span_size, "unknowns": self.unknowns(grid), "seconds": grid.seconds,
+                       "model": grid.model.name, "results": grid.results.name} for grid in self.grids],
+            "seconds": time.monotonic() - self.started, "peak_memory": self.peak_memory(), "notes": self.notes,
+            "findings": finest.report["findings"], "warnings": finest.report["warnings"],
+            "model": finest.model.name, "results": finest.results.name, "commands": finest.commands,
+            "order_relied_on": self.order_relied_on(), "reused_files": self.reused,
+            "versions": {name: self.programs.version(name) for name in ("igaprep", "igasolve")}}
+        return common | self.findings()
+
+    def peak_memory(self):
+        return max([self.programs.peak_memory_mib] + [grid.report.get("peak_memory_mib", 0.0) for grid in self.grids])
+
+    def order_relied_on(self):
+        raise NotImplementedError
+
+    def material(self):
+        return self.grids[-1].report.get("material")
+
+    def mass(self):
+        return self.grids[-1].report.get("mass")
+
+
+def words_for_seconds(seconds):
+    if seconds < 120:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.0f} h"
