@@ -62,8 +62,10 @@ def report(command, log=None, while_waiting=None):
         log.write(err)
         log.flush()
     if process.returncode != 0:
-        words = [line for line in err.splitlines() if ": error: " in line] or err.strip().splitlines()[-1:] or ["no output"]
-        raise RunError(f"{Path(command[0]).name} ended with exit code {process.returncode}: {words[0]}", process.returncode)
+        own = [line for line in err.splitlines() if ": error: " in line]
+        last = (err.strip().splitlines() or ["no output"])[-1]
+        raise RunError(own[0] if own else f"{Path(command[0]).name} ended with exit code {process.returncode}: {last}",
+                       process.returncode)
     return json.loads(out)
 
 

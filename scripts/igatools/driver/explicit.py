@@ -6,6 +6,7 @@ import numpy as np
 from igatools import iga_results
 from igatools.driver import quantities, units
 from igatools.driver.grids import GridRun
+from igatools.driver.kept import write_text
 from igatools.driver.quantities import Quantity
 
 # That of contact, which begins and ends at single places of the surface; a lumped mass alone would give two.
@@ -17,7 +18,7 @@ class ExplicitRun(GridRun):
     ANALYSIS = "explicit"
     PREP = ("--quadrature", "ggq-reduced", "--trimmed", "minimal", "--gap-ends", "glued")
     TIME_POWER, MEMORY_POWER = 4.0, 3.0
-    MOST_GRIDS = 2
+    MOST_GRIDS, MOST_FIRST = 2, 1500
 
     def __init__(self, programs, options):
         super().__init__(programs, options)
@@ -27,17 +28,22 @@ class ExplicitRun(GridRun):
         """Nothing is factorised: a run needs little more than its model file."""
 
     def explicit(self, name, text, inputs):
-        """The report of igasolve for a run file of this text, which stays beside the results."""
-        path = self.options.output / name.replace(".h5", ".toml")
-        if not path.exists() or path.read_text() != text:
-            path.write_text(text)
-        words = ["explicit", path]
+        """The report of igasolve for a run file of this text, which stays beside the results, and its command line."""
+        words = self.words_for(name)
+        write_text(words[1], text)
         try:
             report = self.made(name, "igasolve", words, [text, *inputs])
         except KeyboardInterrupt:
             self.remove(name)
             raise
         return report, self.command("igasolve", words, name)
+
+    def holds(self, name, text, inputs):
+        """Are the results of such a run there?"""
+        return self.kept.find(name, self.file_key("igasolve", self.words_for(name), [text, *inputs])) is not None
+
+    def words_for(self, name):
+        return ["explicit", self.options.output / name.replace(".h5", ".toml")]
 
     def remove(self, name):
         """Results of a run that was stopped half-way."""
@@ -118,4 +124,4 @@ def value_text(value):
     """Of numbers with all their digits, texts, and lists."""
     if isinstance(value, (list, tuple, np.ndarray)):
         return "[" + ", ".join(value_text(entry) for entry in value) + "]"
-    return json.dumps(value) if isinstance(value, str) else f"{float(value):.15g}"
+    return json.dumps(value) if isinstance(value, (str, bool)) else f"{float(value):.15g}"

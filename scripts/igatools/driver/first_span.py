@@ -3,7 +3,6 @@ import math
 
 ALONG = 12             # spans along the longest side, where nothing asks for smaller ones
 THIN_SHARE = 0.2       # of the volume: where less of it lies in thin walls, finer grids are left to find them
-MOST_FUNCTIONS = 6000  # of a first grid: some seconds
 
 
 def power(quotient, ratio):
@@ -16,17 +15,18 @@ def functions(volume, area, degree, size):
     return volume / size**3 + (degree + 1) * area / (2 * size**2)
 
 
-def smallest(volume, area, degree):
-    """The size with MOST_FUNCTIONS."""
+def smallest(volume, area, degree, most):
+    """The size with so many functions."""
     low, high = 1e-9 * math.sqrt(area), math.sqrt(area)
     for _ in range(80):
         middle = math.sqrt(low * high)
-        low, high = (middle, high) if functions(volume, area, degree, middle) > MOST_FUNCTIONS else (low, middle)
+        low, high = (middle, high) if functions(volume, area, degree, middle) > most else (low, middle)
     return high
 
 
-def size(prep, degree):
-    """Size, and a sentence where the walls want a smaller one than a first grid can have. prep: report of igaprep for ALONG spans."""
+def size(prep, degree, most):
+    """Size, and a sentence where the walls want a smaller one than a first grid of so many functions at most has.
+    prep: report of igaprep for ALONG spans."""
     usual = min(prep["grid"]["span_size"])
     wall, gap, wanted = prep.get("thinnest_wall"), prep.get("narrowest_gap"), usual
     is_thin = wall and prep["thin_wall_volume_share"] > THIN_SHARE
@@ -35,7 +35,7 @@ def size(prep, degree):
     if gap:
         # Walls across a gap move on their own whatever the span size; only where it ends do spans of its width help.
         wanted = min(wanted, max(gap["width"], usual / 2))
-    least = smallest(prep["volume"], prep["area"], degree)
+    least = smallest(prep["volume"], prep["area"], degree, most)
     first = max(wanted, min(usual, least))
     note = None
     if is_thin and first > 1.05 * wall["span_size"]:

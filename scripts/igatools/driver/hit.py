@@ -12,10 +12,10 @@ from igatools.driver.programs import Failed
 GAP = 0.01            # of a span, between part and wall at the start
 FIRST_TRANSITS = 10   # times that a wave takes through the part: the first guess of what contact lasts
 MOST_DOUBLINGS = 8
-FREE_SHARE = 0.2      # of the run at its end without contact: the part has left
+FREE_SHARE = 0.15     # of the run at its end without contact: the part has left
 AFTER_CONTACT = 1.25  # of the time at which contact ended, for the later grids
 FRICTION = 0.3
-ROWS_PER_TRANSIT, FIELDS = 10, 40
+ROWS_PER_TRANSIT, FIELDS = 10, 30
 
 
 class HitRun(ExplicitRun):
@@ -26,7 +26,8 @@ class HitRun(ExplicitRun):
         if not np.linalg.norm(direction) > 0:
             raise Failed("--direction 0,0,0 has no direction; give one such as 0,0,-1", 2)
         self.direction = direction / np.linalg.norm(direction)
-        self.end = None  # of the run; known after the first grid
+        self.end = None  # of the run: as given, or known after the first grid
+        self.has_left = False  # the wall until then
 
     def begin(self):
         unit, model = self.first["length_unit"], self.options.output / "model_first.h5"
@@ -43,6 +44,7 @@ class HitRun(ExplicitRun):
             self.speed = float(np.sqrt(2 * self.gravity * self.options.height.within(self.system)[0]))
         else:
             self.speed = self.options.speed.within(self.system)[0]
+        self.end = self.options.end.within(self.system)[0] if self.options.end else None
         if not self.speed > 0:
             raise Failed("the part does not move; give a height or a speed above 0", 2)
         if not self.options.yield_stress:
@@ -52,7 +54,7 @@ class HitRun(ExplicitRun):
         """Gravity and speeds need units."""
         o = self.options
         if length_unit == "unspecified":
-            raise Failed(f"{o.part} does not say its length unit; give --length-unit mm", 2)
+            raise Failed(f"{o.part} does not say its length unit, which gravity and speed need; give --length-unit mm", 2)
         if length_unit not in ("mm", "m"):
             raise Failed(f"{o.part} is in {length_unit}; give --length-unit mm (CAD files are converted; of other files --scale makes "
                          "millimetres)", 2)
@@ -82,37 +84,51 @@ class HitRun(ExplicitRun):
             toml("[bodies.material]", **law, E=m["E"], nu=m["nu"], rho=m["rho"]),
             toml("[[rigid_bodies]]", name="floor", shape="plane", normal=0.0 - d, centre=self.touching + GAP * size * d),
             toml("[[contacts]]", bodies=["part", "floor"], friction=friction), toml("[time]", end=self.end),
-            toml("[output]", interval=self.transit / ROWS_PER_TRANSIT, field_interval=self.end / FIELDS)])
+            toml("[output]", interval=self.transit / ROWS_PER_TRANSIT, field_interval=self.end / FIELDS,
+                             viewer=o.viewer)])
 
     def solve(self, number, model, prep):
-        """On the first grid the run is made longer until the part has left the wall."""
-        name = f"{self.COMMAND}_{number}.h5"
-        size = min(prep["grid"]["span_size"])
-        is_first = self.end is None
-        self.end = self.end or FIRST_TRANSITS * self.transit
-        for _ in range(MOST_DOUBLINGS):
-            report, command = self.explicit(name, self.run_text(model, size), [self.key_of(model.name)])
-            if not is_first:
-                break
-            released = self.released(iga_results.read(self.options.output / name))
-            if released:
-                self.end = min(self.end, AFTER_CONTACT * released)
-                break
-            if self.no_time_for_double(report):
-                self.notes.append(f"the part has not left the floor at {self.end:.4g} {self.system.symbol('time')}, where the run ends; "
-                                  "a larger --max-time follows it further")
-                break
-            self.end *= 2
-            self.progress.stage(f"still in contact, on to {self.end:.3g} {self.system.symbol('time')}")
+        name, size = f"{self.COMMAND}_{number}.h5", min(prep["grid"]["span_size"])
+        if self.grids:
+            report, command = self.hit(name, model, size)
+        elif self.options.end:
+            report, command = self.hit(name, model, size)
+            self.has_left = self.released(name) is not None
+        else:
+            report, command = self.first_hit(name, model, size)
         return name, report, command
+
+    def hit(self, name, model, size):
+        return self.explicit(name, self.run_text(model, size), [self.key_of(model.name)])
+
+    def first_hit(self, name, model, size):
+        """Runs until the part has left the wall, each twice as long as the one before; the one that an earlier call kept serves."""
+        ends = [FIRST_TRANSITS * self.transit * 2**k for k in range(MOST_DOUBLINGS)]
+        for self.end in ends:
+            if self.holds(name, self.run_text(model, size), [self.key_of(model.name)]):
+                ends = [self.end, *(end for end in ends if end > self.end)]
+                break
+        for self.end in ends:
+            report, command = self.hit(name, model, size)
+            released = self.released(name)
+            if released is not None:
+                self.has_left, self.end = True, min(self.end, AFTER_CONTACT * released)
+                return report, command
+            if self.no_time_for_double(report):
+                break
+            self.progress.stage(f"still in contact at {self.end:.3g} {self.system.symbol('time')}, a run twice as long")
+        self.notes.append(f"the part has not left the floor at {self.end:.4g} {self.system.symbol('time')}, where the run ends; a larger "
+                          "--max-time may follow it further, --end says how far")
+        return report, command
 
     def no_time_for_double(self, report):
         """Twice the run, and then that on the next grid."""
         more = 2 * report["wall_seconds"] * (1 + REFINEMENT**self.TIME_POWER)
         return time.monotonic() - self.started + more > self.options.max_time
 
-    def released(self, results):
+    def released(self, name):
         """Time of the last touch, where the part then moves away for good; None while it touches."""
+        results = iga_results.read(self.options.output / name)
         moments = results["/time_series/time"]
         touching = np.flatnonzero(np.linalg.norm(results.series("contact/part-floor")["force"], axis=1) > 0)
         if not len(touching) or touching[-1] + 1 >= len(moments) or moments[touching[-1]] > (1 - FREE_SHARE) * moments[-1]:
@@ -140,10 +156,11 @@ class HitRun(ExplicitRun):
                  self.quantity("stopping distance", "length", (way - way[first])[now].max(),
                                note="of the centre of mass, from the first touch on"),
                  self.quantity("largest deformation", "length", most["deformation"],
-                               note="of a place of the surface against the part moved rigidly"),
-                 self.quantity("time of contact", "time", moments[last] - moments[first], counts=False),
-                 self.quantity("rebound speed", "speed", -speed[now][-1], counts=False,
-                               note=f"of the centre of mass; {self.speed:.4g} {self.system.symbol('speed')} before")]
+                               note="of a place of the surface against the part moved rigidly")]
+        if self.has_left:
+            found += [self.quantity("time of contact", "time", moments[last] - moments[first], counts=False),
+                      self.quantity("rebound speed", "speed", -speed[now][-1], counts=False,
+                                    note=f"of the centre of mass; {self.speed:.4g} {self.system.symbol('speed')} before")]
         grid.found = {"quantities": found + self.material_quantities(most)}
 
     def material(self):

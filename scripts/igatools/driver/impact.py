@@ -14,8 +14,9 @@ class ImpactRun(ExplicitRun):
 
     def __init__(self, programs, options):
         super().__init__(programs, options)
-        if options.material or options.friction is not None or options.yield_stress:
-            raise Failed(f"material and friction stand in the run file ({options.run}); leave out what the command line says of them", 2)
+        if options.material or options.friction is not None or options.yield_stress or options.end:
+            raise Failed(f"material, friction and end stand in the run file ({options.run}); leave out what the command line says of "
+                         "them", 2)
         self.body = chosen_body(options, self.settings)
         if not self.settings.get("time", {}).get("end"):
             raise Failed(f"{options.run}: has no [time] with an end", 2)

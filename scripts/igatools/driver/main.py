@@ -58,7 +58,7 @@ def main(words, about):
     write_text(o.output / "report.json", json.dumps(report, indent=1) + "\n")
     print(json.dumps(report) if o.json else printed.text(report), end="\n" if o.json else "")
     if report["interrupted"]:
-        print(f"iga: interrupted; {len(report['grids'])} grids are done, their report stands in {o.output / 'report.json'}",
+        print(f"iga: interrupted; the report of what is done stands in {o.output / 'report.json'}, the next call goes on from there",
               file=sys.stderr)
         return INTERRUPTED
     return 0 if report["reached"] else NOT_REACHED

@@ -46,6 +46,10 @@ def above_zero(words):
     return number(words, 0, "a number above 0")
 
 
+def zero_or_more(words):
+    return 0.0 if words == "0" else above_zero(words)
+
+
 def count(words):
     value = number(words, 0, "a whole number above 0")
     if value != int(value):
@@ -123,8 +127,11 @@ def add_hit(p, command):
         group.add_argument("--speed", type=words_of(units.typed, "speed", must_have_unit=True), help="such as 8m/s")
     group.add_argument("--direction", type=words_of(units.typed, "length", 3), default=units.typed("0,0,-1", "length", 3),
                        metavar="X,Y,Z", help="of the part's axes in which it flies [0,0,-1]")
-    group.add_argument("--friction", type=float, help="coefficient [0.3 on a floor]")
+    group.add_argument("--end", type=words_of(units.typed, "time", must_have_unit=True),
+                       help="of the run, such as 3ms [when the part has left the wall]")
+    group.add_argument("--friction", type=zero_or_more, help="coefficient [0.3 on a floor]")
     group.add_argument("--yield-stress", type=words_of(units.typed, "stress"), help="such as 235MPa: J2 plasticity [elastic]")
+    group.add_argument("--viewer", action="store_true", help="write files for ParaView too (takes time)")
     group.add_argument("--hardening", type=words_of(units.typed, "stress"), help="stress per plastic strain [0]")
 
 
@@ -132,7 +139,8 @@ def parser_of(about):
     parser = argparse.ArgumentParser(prog="iga", description=about, formatter_class=argparse.RawDescriptionHelpFormatter)
     commands = parser.add_subparsers(dest="command", required=True, metavar=" | ".join(COMMANDS))
     for command, what in COMMANDS.items():
-        p = commands.add_parser(command, help=what, description=ABOUT[command], formatter_class=argparse.RawDescriptionHelpFormatter)
+        p = commands.add_parser(command, help=what, description=ABOUT[command], usage=f"iga {command} PART [options]",
+                                formatter_class=argparse.RawDescriptionHelpFormatter)
         add_common(p, command)
         if command == "modes":
             p.add_argument("--modes", type=count, default=10, help="elastic modes [10]")

@@ -40,7 +40,7 @@ def modes(report):
              f"{'mode':>6}  {'frequency':>14}  {'error':>9}  {'order':>6}  {'shape':>6}"]
     for number, (f, e, q, a) in enumerate(zip(report["frequencies"], report["errors"], report["orders"], report["agreements"])):
         lines.append(f"{number + 1 + report['rigid_modes']:>6}  {f:>14.6g}  {percent(e):>9}  {'' if q is None else f'{q:.1f}':>6}  "
-                     f"{'' if a is None else f'{a:.2f}':>6}")
+                     f"{'' if a is None else f'{a:.2f}':>6}".rstrip())
     return lines + ["", *about_errors(report, "the frequency"),
                     "order   as observed; shape: how much of the mode is that of the grid before"]
 
