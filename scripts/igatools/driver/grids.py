@@ -6,14 +6,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from igatools import iga_model
-from igatools.driver import first_span, run_file, singular
+from igatools.driver import part, run_file, singular
 from igatools.driver.kept import Kept, hash_of_file, key_of
 from igatools.driver.programs import RunError, Failed, free_memory_gib
 
 REFINEMENT = 1.5      # span size over that of the next grid
 MEMORY_SHARE = 0.8    # of what is free
-CAD_ENDINGS = (".step", ".stp", ".iges", ".igs", ".brep", ".brp")
 GIB = 2**30
+MOST_MEMORY = 1024  # GiB: beyond it nobody wants to know how much
 
 
 @dataclass
@@ -93,7 +93,7 @@ class GridRun:
 
     def refine(self):
         self.progress.begin("first look at the part")
-        self.first = self.prepare("model_first.h5", "--spans", first_span.ALONG)
+        self.first = self.prepare("model_first.h5", "--spans", part.ALONG)
         self.refuse_without_units()
         self.begin()
         size = self.first_size()
@@ -116,12 +116,12 @@ class GridRun:
                 return
 
     def first_size(self):
-        side = first_span.ALONG * min(self.first["grid"]["span_size"])
+        side = part.ALONG * min(self.first["grid"]["span_size"])
         if self.options.span_size:
             if self.options.span_size > side:
                 raise Failed(f"--span-size {self.options.span_size:g} is more than the longest side of {self.options.part}, {side:.4g}", 2)
             return self.options.span_size
-        size, note = first_span.size(self.first, self.options.degree, self.MOST_FIRST)
+        size, note = part.size(self.first, self.options.degree, self.MOST_FIRST)
         self.notes += [note] if note else []
         return size
 
@@ -182,7 +182,7 @@ class GridRun:
     def chord(self, size):
         """One surface for all grids, the finer the smaller the tolerance: a thousandth of the first span at one per cent."""
         finer = min(1.0, max(0.1, (self.options.tolerance or 0.01) / 0.01))
-        return ["--chord", f"{1e-3 * size * finer:.12g}"] if self.options.part.suffix.lower() in CAD_ENDINGS else []
+        return ["--chord", f"{1e-3 * size * finer:.12g}"] if part.is_cad(self.options.part) else []
 
     def read_model(self, name):
         return iga_model.read(self.options.output / name)
@@ -199,7 +199,7 @@ class GridRun:
         if len(self.grids) < 2 or min(grid.seconds for grid in self.grids[-2:]) < 1:  # below a second start-up counts too
             return self.TIME_POWER
         before, last = self.grids[-2:]
-        seen = first_span.power(last.seconds / before.seconds, before.span_size / last.span_size)
+        seen = part.power(last.seconds / before.seconds, before.span_size / last.span_size)
         return min(max(seen, self.TIME_POWER - 1), self.TIME_POWER + 2)
 
     def expected_seconds(self, size):
@@ -255,10 +255,10 @@ class GridRun:
         if self.options.tolerance is None or not worst or worst <= self.options.tolerance:
             return None
         finer = (worst / self.options.tolerance) ** (1 / order)
-        last = self.grids[-1]
+        last, memory = self.grids[-1], self.peak_memory() / 1024 * finer**self.MEMORY_POWER
+        time_words = f"about {words_for_seconds(last.seconds * finer ** self.time_power())} and {memory:.2g} GiB for that grid alone"
         return (f"reached is an error of {100 * worst:.2g} %; {100 * self.options.tolerance:.2g} % would want spans of about "
-                f"{last.span_size / finer:.2g}, about {words_for_seconds(last.seconds * finer ** self.time_power())} and "
-                f"{self.programs.peak_memory_mib / 1024 * finer ** self.MEMORY_POWER:.1g} GiB for that grid alone")
+                f"{last.span_size / finer:.2g}, " + (time_words if memory < MOST_MEMORY else "more than machines have"))
 
     def report(self):
         finest = self.grids[-1]

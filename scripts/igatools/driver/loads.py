@@ -3,10 +3,11 @@ import json
 from dataclasses import dataclass
 
 from igatools.driver import units
+from igatools.driver.part import is_cad
 from igatools.driver.programs import Failed
 
 FIXED = {"normal", "pinned", "radial"} | {"x", "y", "z", "xy", "xz", "yz", "xyz"}
-WHERE_LISTED = 12  # names that an error message lists
+MOST_LISTED = 12  # names that an error message lists
 
 
 @dataclass(frozen=True)
@@ -41,16 +42,17 @@ def names_of(model):
     return {"region": model.texts("/surface/regions"), "curve": list(model.curves()), "point": list(model.markers())}
 
 
-def key_for(place, names, part):
+def key_for(place, names, options):
     """"region", "curve" or "point"; Failed where the part has no such name."""
     for key, known in names.items():
         if place in known:
             return key
-    shown = names["region"][:WHERE_LISTED]
+    shown = names["region"][:MOST_LISTED]
     more = len(names["region"]) - len(shown)
-    raise Failed(f"{part} has no face, edge or vertex '{place}'; its faces are {', '.join(shown)}"
-                 + (f" and {more} more" if more else "") + f" (igaprep {part} --list shows where CAD faces lie; --region-angle 30 makes "
-                 "faces of an STL)", 2)
+    places = (f"igaprep {options.part} --list shows where they lie, --list-edges edges and vertices too" if is_cad(options.part) else
+              f"igasolve info {options.output / 'model_first.h5'} shows their areas; --region-angle 30 splits them at sharp edges")
+    raise Failed(f"{options.part} has no face, edge or vertex '{place}'; its faces are {', '.join(shown)}"
+                 + (f" and {more} more" if more else "") + f" ({places})", 2)
 
 
 def table(kind, entries):
@@ -61,13 +63,13 @@ def run_text(options, model, system):
     """The run file of --fix, --force, --pressure, --gravity; names are looked up in the model, units converted to the system."""
     names, tables = names_of(model), []
     for entry in options.fix:
-        key = key_for(entry.place, names, options.part)
+        key = key_for(entry.place, names, options)
         tables.append(table("support", {"name": f"fixed {entry.place}", "fixed": entry.value, key: entry.place}))
     for entry in options.force:
-        key = key_for(entry.place, names, options.part)
+        key = key_for(entry.place, names, options)
         tables.append(table("load", {"name": f"force on {entry.place}", "force": entry.value.within(system), key: entry.place}))
     for entry in options.pressure:
-        if key_for(entry.place, names, options.part) != "region":
+        if key_for(entry.place, names, options) != "region":
             raise Failed(f"--pressure acts on a face; '{entry.place}' of {options.part} is an edge or a vertex", 2)
         tables.append(table("load", {"name": f"pressure on {entry.place}", "pressure": entry.value.within(system)[0],
                                      "region": entry.place}))

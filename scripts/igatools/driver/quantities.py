@@ -3,7 +3,7 @@ from dataclasses import dataclass
 
 from igatools.driver import estimate
 
-SMALL = 0.05  # of the largest stress: below it a relative error says little
+SMALL = 0.05  # of the largest of its kind
 
 
 @dataclass
@@ -15,7 +15,7 @@ class Quantity:
     order: float              # that its estimate relies on
     counts: bool = True       # for the tolerance
     no_limit: str | None = None  # why it has none as spans shrink: then no error is told, and of a stress no value
-    is_stress: bool = False
+    kind: str | None = None   # "stress" or "displacement": one that is small beside others of its kind has no relative error
     note: str | None = None
     from_solution: float | None = None  # relative error that the solution itself tells
     fewest_grids: int = 2     # from which on its error is told
@@ -27,7 +27,7 @@ def told(sizes, histories, quantity):
     """Entry of the report for a quantity with its values on all grids."""
     if quantity.no_limit:
         # What is large without bound is no number; what grows like a logarithm is one, of its grid.
-        value = None if quantity.is_stress else histories[-1]
+        value = None if quantity.kind == "stress" else histories[-1]
         return {"name": quantity.name, "unit": quantity.unit, "value": value, "error": None, "order": None, "history": histories,
                 "note": quantity.no_limit, "counts": False, "has_limit": False}
     sizes = sizes[len(sizes) - len(histories):]
@@ -59,12 +59,18 @@ def follow(grids):
                 break
             history.insert(0, same[0])
         found.append(told(sizes, history, quantity))
-    paired = list(zip(found, grids[-1].found["quantities"]))
-    stresses = [entry["history"][-1] for entry, quantity in paired if quantity.is_stress]
-    for entry, quantity in paired:
-        if quantity.is_stress and entry["counts"] and entry["value"] < SMALL * max(stresses):
-            entry |= {"counts": False, "note": "small beside the others: its error does not count for the tolerance"}
+    leave_out_small(found, grids[-1].found["quantities"])
     return found
+
+
+def leave_out_small(entries, quantities):
+    """An error relative to nearly nothing, such as the displacement of a held place, says nothing."""
+    for kind in ("stress", "displacement"):
+        own = [entry for entry, quantity in zip(entries, quantities) if quantity.kind == kind]
+        largest = max((abs(entry["history"][-1]) for entry in own), default=0)
+        for entry in own:
+            if entry["error"] is not None and abs(entry["value"]) < SMALL * largest:
+                entry |= {"error": None, "counts": False, "note": f"small beside the largest {kind}: no relative error"}
 
 
 def errors_that_count(entries):

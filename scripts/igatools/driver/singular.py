@@ -11,8 +11,8 @@ NEAR_SPANS = 2.0         # nearer than this stress depends on the span size
 
 
 def edges_of(vertices, triangles):
-    """Edges of a closed, outward-oriented surface, each once: ends (n, 2), turn between its two facets (n; positive where the solid
-    takes less than half a turn, 0 where a facet has no area or there is no single partner), and the triangle (n) on its left."""
+    """Edges of a closed, outward-oriented surface, each once: ends (n, 2), and the turn between its two facets (n), positive where the
+    solid takes less than half a turn, 0 where a facet has no area or the edge no partner."""
     corners = vertices[triangles]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     size = np.linalg.norm(normal, axis=1)
@@ -30,12 +30,12 @@ def edges_of(vertices, triangles):
     cosine = np.einsum("ij,ij->i", normal[facet], normal[other])
     known = (key[order[place]] == back) & (size[facet] > 0) & (size[other] > 0)
     once = directed[:, 0] < directed[:, 1]
-    return directed[once], np.where(known, np.arctan2(sine, cosine), 0)[once], facet[once]
+    return directed[once], np.where(known, np.arctan2(sine, cosine), 0)[once]
 
 
 def reentrant_edges(vertices, triangles):
     """Ends (n, 2, 3) of the edges that are sharp and where the solid takes more than half a turn."""
-    edges, turn, _ = edges_of(vertices, triangles)
+    edges, turn = edges_of(vertices, triangles)
     found = vertices[edges[turn < -SHARP]]
     corners = vertices[triangles]
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum()
@@ -48,34 +48,41 @@ def support_ends(supports, model):
     """Ends (n, 2, 3) of the lines on the surface at which supports ([[support]] tables of a run file) end."""
     vertices, triangles = model["/surface/vertices"], model["/surface/triangles"]
     region, names = model["/surface/region"], model.texts("/surface/regions")
-    edges, turn, _ = edges_of(vertices, triangles)
-    slides = {frozenset(map(tuple, vertices[edge])) for edge in edges[turn > SLIDING_END]}
+    edges, turn = edges_of(vertices, triangles)
+    sliding, snap = vertices[edges[turn > SLIDING_END]], snap_length(model)
     found = []
     for table in supports:
         if not {"region", "box", "plane", "normal"} & set(table):
             continue  # lines, points, patches and the whole surface
-        ends = outline(chosen_polygons(table, vertices, triangles, region, names, snap_length(model)))
+        ends = outline(chosen_polygons(table, vertices, triangles, region, names, snap), snap)
         if table.get("fixed") == "normal":
-            ends = [end for end in ends if frozenset(end) not in slides]
+            ends = [end for end in ends if not lies_on(end, sliding, snap)]
         found += ends
     return np.array(found, float).reshape(-1, 2, 3)
 
 
-def outline(polygons):
-    """Edges that belong to one polygon alone, as pairs of tuples."""
-    count = {}
+def outline(polygons, snap):
+    """Edges (2, 3) that belong to one polygon alone; corners nearer than about `snap` are one."""
+    seen = {}
     for polygon in polygons:
-        corners = [tuple(corner) for corner in polygon]
-        for k, corner in enumerate(corners):
-            key = frozenset((corner, corners[k - 1]))
-            count[key] = count.get(key, 0) + 1
-    return [tuple(key) for key, number in count.items() if number == 1 and len(key) == 2]
+        numbers = [tuple(corner) for corner in np.rint(polygon / snap).astype(np.int64)]
+        for k, number in enumerate(numbers):
+            seen.setdefault(frozenset((number, numbers[k - 1])), []).append(polygon[[k - 1, k]])
+    return [ends[0] for key, ends in seen.items() if len(ends) == 1 and len(key) == 2]
+
+
+def lies_on(edge, lines, snap):
+    """Is an edge a part of one of the lines?"""
+    return bool(len(lines)) and bool((np.maximum(distances(edge[0], lines), distances(edge[1], lines)) < snap).any())
+
+
+def distances(place, lines):
+    """From a place to each of lines (n, 2, 3)."""
+    start, along = lines[:, 0], lines[:, 1] - lines[:, 0]
+    share = np.einsum("ij,ij->i", place - start, along) / np.maximum(np.einsum("ij,ij->i", along, along), 1e-300)
+    return np.linalg.norm(start + np.clip(share, 0, 1)[:, None] * along - place, axis=1)
 
 
 def distance(place, lines):
-    """From a place to the nearest of lines (n, 2, 3)."""
-    if not len(lines):
-        return np.inf
-    start, along = lines[:, 0], lines[:, 1] - lines[:, 0]
-    share = np.einsum("ij,ij->i", place - start, along) / np.maximum(np.einsum("ij,ij->i", along, along), 1e-300)
-    return np.linalg.norm(start + np.clip(share, 0, 1)[:, None] * along - place, axis=1).min()
+    """From a place to the nearest of lines."""
+    return distances(place, lines).min(initial=np.inf)

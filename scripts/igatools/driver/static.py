@@ -52,18 +52,18 @@ class StaticRun(GridRun):
         found = [Quantity("strain energy", unit("energy"), statics["strain_energy"], estimate.reliable_order(*order),
                           no_limit=concentrated),
                  Quantity("largest displacement", unit("length"), float(size.max()), estimate.largest_order(*order),
-                          no_limit=concentrated, note=f"at {place(surface[size.argmax()])}"),
-                 Quantity("largest von Mises", unit("stress"), float(mises.max()), estimate.stress_order(*order), is_stress=True,
+                          kind="displacement", no_limit=concentrated, note=f"at {place(surface[size.argmax()])}"),
+                 Quantity("largest von Mises", unit("stress"), float(mises.max()), estimate.stress_order(*order), kind="stress",
                           no_limit=self.no_stress_at(surface[mises.argmax()], grid, statics.get("no_limit_beside")),
                           note=f"at {place(surface[mises.argmax()])}")]
         for probe in statics["probes"]:
             at = np.array(probe["position"])
             beside = probe.get("no_limit_beside")
             found += [Quantity(f"displacement at {probe['name']}", unit("length"), float(np.linalg.norm(probe["displacement"])),
-                               estimate.displacement_order(*order),
+                               estimate.displacement_order(*order), kind="displacement",
                                no_limit=f"{beside} acts on a line or at a point nearby" if beside else None),
                       Quantity(f"von Mises at {probe['name']}", unit("stress"), probe["von_mises"], estimate.stress_order(*order),
-                               is_stress=True,
+                               kind="stress",
                                no_limit=self.no_stress_at(at, grid, beside))]
         grid.found = {"quantities": found}
 

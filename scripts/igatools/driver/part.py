@@ -1,8 +1,13 @@
-"""The span size of the first grid, from what igaprep says about the part."""
+"""What the driver knows of a part before its first grid: the kind of its file, and the spans that its walls want."""
 import math
 
 ALONG = 12             # spans along the longest side, where nothing asks for smaller ones
 THIN_SHARE = 0.2       # of the volume: where less of it lies in thin walls, finer grids are left to find them
+CAD_ENDINGS = (".step", ".stp", ".iges", ".igs", ".brep", ".brp")
+
+
+def is_cad(part):
+    return part.suffix.lower() in CAD_ENDINGS
 
 
 def power(quotient, ratio):
