@@ -158,7 +158,7 @@ class HitRun(ExplicitRun):
                  self.quantity("largest deformation", "length", most["deformation"],
                                note="of a place of the surface against the part moved rigidly")]
         if self.has_left:
-            found += [self.quantity("time of contact", "time", moments[last] - moments[first], counts=False),
+            found += [self.quantity("first to last touch", "time", moments[last] - moments[first], counts=False),
                       self.quantity("rebound speed", "speed", -speed[now][-1], counts=False,
                                     note=f"of the centre of mass; {self.speed:.4g} {self.system.symbol('speed')} before")]
         grid.found = {"quantities": found + self.material_quantities(most)}
