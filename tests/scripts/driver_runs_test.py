@@ -149,15 +149,16 @@ class Static(Case):
 
 class Hits(Case):
     def test_a_bar_falls_on_its_end(self):
-        """Elastic bar, short enough to be checked by the wave that runs through it: force ρ c v A, contact 2 L / c."""
+        """Elastic bar, short enough to be checked by the wave that runs through it: force ρ c v A, contact 2 L / c, the
+        centre of mass stopped after v L / (2 c)."""
         parts.write_boxes(self.bar, [((0, 0, 0), (10, 10, 40))])
         report, done = self.iga("drop", self.bar, *STEEL, "--height", "1m", "--span-size", 4, "--friction", 0)
         speed, wave = np.sqrt(2 * 9806.65 * 1000), np.sqrt(210e3 / 7.85e-9)
         self.assertAlmostEqual(report["speed"], speed, places=6)
         force, contact = self.quantity(report, "peak contact force"), self.quantity(report, "first to last touch")
-        self.assertAlmostEqual(force["value"] / (7.85e-9 * wave * speed * 100), 1, delta=0.1)
-        self.assertAlmostEqual(contact["value"] / (2 * 40 / wave), 1, delta=0.25)
-        self.assertAlmostEqual(self.quantity(report, "stopping distance")["value"] / (speed * 40 / wave / 2), 1, delta=0.15)
+        self.assertAlmostEqual(force["value"] / (7.85e-9 * wave * speed * 100), 1, delta=0.05)
+        self.assertAlmostEqual(contact["value"] / (2 * 40 / wave), 1, delta=0.12)  # rows are 1/16 of it apart
+        self.assertAlmostEqual(self.quantity(report, "stopping distance")["value"] / (speed * 40 / wave / 2), 1, delta=0.05)
         self.assertLess(report["energy_error"], 0.01)
         self.assertEqual(force["unit"], "N")
         self.assertEqual(len(report["grids"]), 2)

@@ -13,6 +13,7 @@ from igatools.driver.programs import RunError, Failed, free_memory_gib
 REFINEMENT = 1.5      # span size over that of the next grid
 MEMORY_SHARE = 0.8    # of what is free
 GIB = 2**30
+WORDS = {"in": "inches", "ft": "feet"}
 MOST_MEMORY = 1024  # GiB: beyond it nobody wants to know how much
 
 
@@ -93,8 +94,7 @@ class GridRun:
 
     def refine(self):
         self.progress.begin("first look at the part")
-        self.first = self.prepare("model_first.h5", "--spans", part.ALONG)
-        self.refuse_without_units()
+        self.first = self.first_look()
         self.begin()
         size = self.first_size()
         chord = self.chord(size)
@@ -125,10 +125,22 @@ class GridRun:
         self.notes += [note] if note else []
         return size
 
-    def refuse_without_units(self):
-        if self.options.material_name and self.first["length_unit"] == "unspecified":
-            raise Failed(f"{self.options.part} does not say its length unit, which a material by name needs; give --length-unit mm "
-                         "(or m), or E, nu and rho as numbers", 2)
+    def first_look(self):
+        """Report of a coarse model, in units that a material by name can have."""
+        o, look = self.options, lambda: self.prepare("model_first.h5", "--spans", part.ALONG)
+        found = look()
+        unit = found["length_unit"]
+        if not (o.material_name or self.ANALYSIS == "explicit" and not o.run) or unit in ("mm", "m"):
+            return found
+        if unit == "unspecified":
+            raise Failed(f"{o.part} does not say its length unit, which a material by name, gravity and speeds need; give "
+                         "--length-unit mm (or m)", 2)
+        if not part.is_cad(o.part) or o.run or getattr(o, "probe", None) or o.length_unit or o.span_size:
+            raise Failed(f"{o.part} is in {WORDS.get(unit, unit)}, in which no material has a name; give --length-unit mm and all positions and sizes in mm "
+                         "(CAD files are converted; of other files --scale makes millimetres)", 2)
+        o.length_unit = "mm"
+        self.notes.append(f"{o.part} is in {WORDS.get(unit, unit)}; all lengths here are in mm")
+        return look()
 
     def next_grid(self, size, chord):
         number = len(self.grids) + 1

@@ -4,7 +4,7 @@ import time
 import numpy as np
 
 from igatools import iga_model, iga_results
-from igatools.driver import units
+from igatools.driver import run_file, units
 from igatools.driver.explicit import ExplicitRun, toml
 from igatools.driver.grids import REFINEMENT
 from igatools.driver.programs import Failed
@@ -15,7 +15,7 @@ MOST_DOUBLINGS = 8
 FREE_SHARE = 0.15     # of the run at its end without contact: the part has left
 AFTER_CONTACT = 1.25  # of the time at which contact ended, for the later grids
 FRICTION = 0.3
-ROWS_PER_TRANSIT, FIELDS = 10, 30
+ROWS, FIELDS = 8, 30  # rows in the time over which forces are averaged; steps of fields
 
 
 class HitRun(ExplicitRun):
@@ -35,8 +35,8 @@ class HitRun(ExplicitRun):
         self.found_material = self.programs.run("igasolve", "timestep", model, *self.options.material)["material"]
         E, rho = self.found_material["E"], self.found_material["rho"]
         vertices = iga_model.read(model)["/surface/vertices"]
-        self.transit = float(np.ptp(vertices, axis=0).max() / np.sqrt(E / rho))
-        along = vertices @ self.direction
+        along, wave = vertices @ self.direction, np.sqrt(E / rho)
+        self.transit, self.window = float(np.ptp(vertices, axis=0).max() / wave), float(np.ptp(along) / wave)
         sideways = vertices.mean(axis=0) - self.direction * vertices.mean(axis=0).dot(self.direction)
         self.touching = sideways + self.direction * along.max()
         self.gravity = units.STANDARD_GRAVITY / self.system.unit("acceleration") if self.options.command == "drop" else 0.0
@@ -53,11 +53,6 @@ class HitRun(ExplicitRun):
     def known_units(self, length_unit):
         """Gravity and speeds need units."""
         o = self.options
-        if length_unit == "unspecified":
-            raise Failed(f"{o.part} does not say its length unit, which gravity and speed need; give --length-unit mm", 2)
-        if length_unit not in ("mm", "m"):
-            raise Failed(f"{o.part} is in {length_unit}; give --length-unit mm (CAD files are converted; of other files --scale makes "
-                         "millimetres)", 2)
         system = units.of_run(o, length_unit)
         if system is None:
             raise Failed("--E, --nu and --rho alone do not tell their units, which gravity and speed need; give --unit-system "
@@ -84,7 +79,7 @@ class HitRun(ExplicitRun):
             toml("[bodies.material]", **law, E=m["E"], nu=m["nu"], rho=m["rho"]),
             toml("[[rigid_bodies]]", name="floor", shape="plane", normal=0.0 - d, centre=self.touching + GAP * size * d),
             toml("[[contacts]]", bodies=["part", "floor"], friction=friction), toml("[time]", end=self.end),
-            toml("[output]", interval=self.transit / ROWS_PER_TRANSIT, field_interval=self.end / FIELDS,
+            toml("[output]", interval=self.window / ROWS, field_interval=self.end / FIELDS,
                              viewer=o.viewer)])
 
     def solve(self, number, model, prep):
@@ -102,24 +97,35 @@ class HitRun(ExplicitRun):
         return self.explicit(name, self.run_text(model, size), [self.key_of(model.name)])
 
     def first_hit(self, name, model, size):
-        """Runs until the part has left the wall, each twice as long as the one before; the one that an earlier call kept serves."""
-        ends = [FIRST_TRANSITS * self.transit * 2**k for k in range(MOST_DOUBLINGS)]
-        for self.end in ends:
-            if self.holds(name, self.run_text(model, size), [self.key_of(model.name)]):
-                ends = [self.end, *(end for end in ends if end > self.end)]
-                break
-        for self.end in ends:
+        """Runs until the part has left the wall, each twice as long as the one before; then once until shortly after it, with the rows
+        and fields that the later grids will have."""
+        if self.kept_hit(name, model, size):
+            return self.hit(name, model, size)
+        self.end = FIRST_TRANSITS * self.transit
+        for doublings in range(MOST_DOUBLINGS + 1):
             report, command = self.hit(name, model, size)
             released = self.released(name)
             if released is not None:
-                self.has_left, self.end = True, min(self.end, AFTER_CONTACT * released)
-                return report, command
-            if self.no_time_for_double(report):
+                self.has_left, self.end = True, AFTER_CONTACT * released
+                return self.hit(name, model, size)
+            if doublings == MOST_DOUBLINGS or self.no_time_for_double(report):
                 break
-            self.progress.stage(f"still in contact at {self.end:.3g} {self.system.symbol('time')}, a run twice as long")
+            self.end *= 2
+            self.progress.stage(f"still in contact, on to {self.end:.3g} {self.system.symbol('time')}")
         self.notes.append(f"the part has not left the floor at {self.end:.4g} {self.system.symbol('time')}, where the run ends; a larger "
                           "--max-time may follow it further, --end says how far")
         return report, command
+
+    def kept_hit(self, name, model, size):
+        """Does the run of an earlier call hold, which ended where the part had left?"""
+        path = self.options.output / name.replace(".h5", ".toml")
+        if not path.exists():
+            return False
+        self.end = run_file.read(path).get("time", {}).get("end", 0.0)
+        if not self.holds(name, self.run_text(model, size), [self.key_of(model.name)]):
+            return False
+        self.has_left = self.released(name) is not None
+        return self.has_left
 
     def no_time_for_double(self, report):
         """Twice the run, and then that on the next grid."""
@@ -139,27 +145,26 @@ class HitRun(ExplicitRun):
     def measure(self, grid):
         results = iga_results.read(grid.results)
         moments = results["/time_series/time"]
-        now = moments <= self.end * (1 + 1e-9)
         contact, momentum = results.series("contact/part-floor"), results.series("body/part")["momentum"] @ self.direction
-        touching = np.flatnonzero((np.linalg.norm(contact["force"], axis=1) > 0) & now)
+        touching = np.flatnonzero(np.linalg.norm(contact["force"], axis=1) > 0)
         if not len(touching):
             raise Failed(f"the part did not touch the floor until {moments[-1]:.4g} {self.system.symbol('time')}", 4)
         first, last = touching[0], touching[-1]
-        middles, means = results.mean_force("part-floor", self.transit)
+        _, means = results.mean_force("part-floor", self.window)
         mass = grid.report["bodies"][0]["mass"]
         speed = momentum / mass
         way = np.concatenate([[0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(moments))])
-        most = self.fields_of(results, "part", self.end)
+        most = self.fields_of(results, "part")
         symbol = self.system.symbol("time")
-        found = [self.quantity("peak contact force", "force", means[middles <= self.end].max(),
-                               note=f"largest mean over {self.transit:.3g} {symbol}, in which a wave passes the part"),
-                 self.quantity("stopping distance", "length", (way - way[first])[now].max(),
+        found = [self.quantity("peak contact force", "force", means.max(),
+                               note=f"largest mean over {self.window:.3g} {symbol}, in which a wave passes the part along its flight"),
+                 self.quantity("stopping distance", "length", way.max() - GAP * min(grid.prep["grid"]["span_size"]),
                                note="of the centre of mass, from the first touch on"),
                  self.quantity("largest deformation", "length", most["deformation"],
                                note="of a place of the surface against the part moved rigidly")]
         if self.has_left:
             found += [self.quantity("first to last touch", "time", moments[last] - moments[first], counts=False),
-                      self.quantity("rebound speed", "speed", -speed[now][-1], counts=False,
+                      self.quantity("rebound speed", "speed", -speed[-1], counts=False,
                                     note=f"of the centre of mass; {self.speed:.4g} {self.system.symbol('speed')} before")]
         grid.found = {"quantities": found + self.material_quantities(most)}
 

@@ -1,6 +1,8 @@
 """Numbers that a user asks for, followed from grid to grid, each with its error."""
 from dataclasses import dataclass
 
+import numpy as np
+
 from igatools.driver import estimate
 
 SMALL = 0.05  # of the largest of its kind
@@ -36,7 +38,8 @@ def told(sizes, histories, quantity):
     if error is not None and len(histories) < quantity.fewest_grids:
         error, note = None, f"error unknown: needs {quantity.fewest_grids} grids"
     elif error is not None and quantity.must_settle and len(histories) > 2 and found.order is None:
-        error, note = None, "error unknown: its changes from grid to grid do not fall in one direction"
+        error, note = None, ("error unknown: its changes from grid to grid do not fall in one direction; the last three values lie within "
+                             f"{100 * np.ptp(histories[-3:]) / (abs(histories[-1]) or 1.0):.2g} %")
     elif error is not None and quantity.largest_error is not None and error > quantity.largest_error:
         error, note = None, f"error unknown: it still changes by {100 * change(histories):.2g} % from grid to grid"
     return {"name": quantity.name, "unit": quantity.unit, "value": histories[-1], "error": error, "order": found.order,
