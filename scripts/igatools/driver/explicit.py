@@ -18,7 +18,7 @@ class ExplicitRun(GridRun):
     ANALYSIS = "explicit"
     PREP = ("--quadrature", "ggq-reduced", "--trimmed", "minimal", "--gap-ends", "glued")
     TIME_POWER, MEMORY_POWER = 4.0, 3.0
-    MOST_GRIDS, MOST_FIRST = 2, 1500
+    MOST_FIRST = 1500
 
     def __init__(self, programs, options):
         super().__init__(programs, options)

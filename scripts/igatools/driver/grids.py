@@ -41,7 +41,6 @@ class GridRun:
     # is 2.6 … 3.2 at 10 000 … 160 000 unknowns.
     TIME_POWER, MEMORY_POWER = 3.5, 4.0
     MOST_FIRST = 6000  # functions of the first grid, where thin walls want small spans: some seconds
-    MOST_GRIDS = None  # where no tolerance is given, grids beyond two would be for nothing
 
     def __init__(self, programs, options):
         self.programs, self.options, self.progress = programs, options, programs.progress
@@ -218,8 +217,6 @@ class GridRun:
         return self.grids[-1].seconds * (self.grids[-1].span_size / size) ** self.time_power() if self.grids else None
 
     def no_room_for(self, size):
-        if self.MOST_GRIDS and len(self.grids) >= self.MOST_GRIDS and self.options.tolerance is None:
-            return None
         spent, more = time.monotonic() - self.started, self.expected_seconds(size)
         if spent + more <= self.options.max_time:
             return None
@@ -253,10 +250,13 @@ class GridRun:
         return not self.interrupted and (self.options.tolerance is None or self.is_good_enough())
 
     def tell(self):
-        worst, grid = self.worst(), self.grids[-1]
+        errors, grid = self.errors(), self.grids[-1]
+        known = [error for error in errors if error is not None]
+        words = f"{100 * max(known):.2g} %" if known else "not known yet" if len(self.grids) < 2 else "not known"
+        if known and len(known) < len(errors):
+            words += f" (of {len(errors) - len(known)} numbers not known)"
         self.progress.say(f"grid {len(self.grids)}: spans of {grid.span_size:.4g}, {self.unknowns(grid)} unknowns, "
-                          f"{grid.seconds:.1f} s, largest estimated error "
-                          + ("not known" if worst is None else f"{100 * worst:.2g} %"))
+                          f"{grid.seconds:.1f} s, largest estimated error {words}")
 
     def unknowns(self, grid):
         return grid.report["unknowns"]

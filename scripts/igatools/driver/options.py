@@ -1,5 +1,6 @@
 """The command line of iga."""
 import argparse
+import re
 from pathlib import Path
 
 from igatools.driver import loads, units
@@ -172,7 +173,18 @@ def complete(o, parser):
     return o
 
 
+def joined(words):
+    """Options and the negative numbers behind them as one word: --direction -1,0,0 would otherwise be two options."""
+    out = []
+    for word in words:
+        if out and out[-1].startswith("--") and "=" not in out[-1] and re.match(r"-[\d.]", word):
+            out[-1] += "=" + word
+        else:
+            out.append(word)
+    return out
+
+
 def parse(words, about):
     parser, commands = parser_of(about)
-    o = parser.parse_args(words)
+    o = parser.parse_args(joined(words))
     return complete(o, commands.choices[o.command])
