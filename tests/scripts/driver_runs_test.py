@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-ROOT, BIN, SHARED = (Path(word) for word in sys.argv[1:4])
+ROOT, BIN, SHARED = (Path(word).resolve() for word in sys.argv[1:4])
 sys.path.insert(0, str(ROOT / "scripts"))
 import parts  # noqa: E402
 from igatools import iga_results  # noqa: E402

@@ -7,6 +7,7 @@ from igatools.driver import options, printed
 from igatools.driver.kept import write_text
 from igatools.driver.programs import Failed, Programs, RunError
 from igatools.driver.progress import Progress
+from igatools.report import NoReport, rewrite_page, write_page
 
 NOT_REACHED, INTERRUPTED = 4, 130
 
@@ -36,6 +37,16 @@ def check(o):
         refuse_doubled(o)
 
 
+def rewrite(folder):
+    """The page of an earlier call again."""
+    try:
+        print(f"written      {rewrite_page(folder)}")
+    except NoReport as missing:
+        print(f"iga: error: {missing}", file=sys.stderr)
+        return 2
+    return 0
+
+
 def stop(number, frame):
     raise KeyboardInterrupt
 
@@ -43,6 +54,8 @@ def stop(number, frame):
 def main(words, about):
     signal.signal(signal.SIGTERM, stop)
     o = options.parse(words, about)
+    if o.command == "report":
+        return rewrite(o.folder)
     try:
         check(o)
         o.output.mkdir(parents=True, exist_ok=True)
@@ -56,7 +69,8 @@ def main(words, about):
         return INTERRUPTED
     report["folder"] = str(o.output)
     write_text(o.output / "report.json", json.dumps(report, indent=1) + "\n")
-    print(json.dumps(report) if o.json else printed.text(report), end="\n" if o.json else "")
+    page = write_page(o.output, report)
+    print(json.dumps(report) if o.json else f"{printed.text(report)}written      {page}")
     if report["interrupted"]:
         print(f"iga: interrupted; the report of what is done stands in {o.output / 'report.json'}, the next call goes on from there",
               file=sys.stderr)

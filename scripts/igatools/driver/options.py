@@ -139,7 +139,9 @@ def add_hit(p, command):
 
 def parser_of(about):
     parser = argparse.ArgumentParser(prog="iga", description=about, formatter_class=argparse.RawDescriptionHelpFormatter)
-    commands = parser.add_subparsers(dest="command", required=True, metavar=" | ".join(COMMANDS))
+    commands = parser.add_subparsers(dest="command", required=True, metavar=" | ".join([*COMMANDS, "report"]))
+    page = commands.add_parser("report", help="write report.html of a folder again", usage="iga report FOLDER")
+    page.add_argument("folder", type=Path, help="the one that holds report.json")
     for command, what in COMMANDS.items():
         p = commands.add_parser(command, help=what, description=ABOUT[command], usage=f"iga {command} PART [options]",
                                 formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -187,4 +189,4 @@ def joined(words):
 def parse(words, about):
     parser, commands = parser_of(about)
     o = parser.parse_args(joined(words))
-    return complete(o, commands.choices[o.command])
+    return o if o.command == "report" else complete(o, commands.choices[o.command])
