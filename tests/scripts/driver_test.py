@@ -6,6 +6,7 @@ import io
 import json
 import sys
 import tempfile
+import time
 import unittest
 from pathlib import Path
 from types import SimpleNamespace
@@ -17,7 +18,7 @@ sys.path.insert(0, str(Path(ROOT) / "scripts"))
 from igatools.driver import estimate, kept, loads, options, part, quantities, run_file, singular, units  # noqa: E402
 from igatools.driver.explicit import moved_rigidly  # noqa: E402
 from igatools.driver.grids import Grid, GridRun  # noqa: E402
-from igatools.driver.programs import Failed  # noqa: E402
+from igatools.driver.programs import Failed, Programs, RunError  # noqa: E402
 from igatools.driver.progress import Progress  # noqa: E402
 
 
@@ -291,6 +292,44 @@ class Files(unittest.TestCase):
         before = run_file.content(run, settings)
         (self.folder / "curve.csv").write_text("0, 2\n")
         self.assertNotEqual(run_file.content(run, settings), before)
+
+
+class Started(unittest.TestCase):
+    """Programs that the driver starts."""
+
+    def programs(self, script):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        for name in ("igaprep", "igasolve"):
+            path = Path(folder.name) / name
+            path.write_text("#!/bin/sh\n" + script)
+            path.chmod(0o755)
+        made = Programs(Path(folder.name), Progress(quiet=True), folder.name)
+        self.addCleanup(made.log.close)
+        return made
+
+    def test_words_of_a_program_that_fails(self):
+        with self.assertRaisesRegex(RunError, "^igaprep: error: part.stl: no such file$") as caught:
+            self.programs("echo reading >&2; echo 'igaprep: error: part.stl: no such file' >&2; exit 2").run("igaprep")
+        self.assertEqual(caught.exception.code, 2)
+        with self.assertRaisesRegex(RunError, "igasolve ended with exit code 9: no output"):
+            self.programs("exit 9").run("igasolve")
+        self.assertEqual(self.programs("echo '{\"points\": 3}'").run("igaprep")["points"], 3)
+
+    def test_deadline(self):
+        """A program that runs beyond it is stopped."""
+        programs = self.programs("echo $$ > \"$0.pid\"; exec sleep 60")
+        programs.deadline = time.monotonic() + 0.5
+        begin = time.monotonic()
+        with self.assertRaisesRegex(Failed, "--max-time"):
+            programs.run("igaprep")
+        self.assertLess(time.monotonic() - begin, 30)
+        number = (programs.binaries / "igaprep.pid").read_text().strip()
+        self.assertFalse(Path(f"/proc/{number}").exists())
+
+    def test_binaries_that_are_not_there(self):
+        with tempfile.TemporaryDirectory() as folder, self.assertRaisesRegex(Failed, "has no igaprep"):
+            Programs(Path(folder), Progress(quiet=True), folder)
 
 
 class Pieces(unittest.TestCase):

@@ -7,6 +7,7 @@ from igatools import iga_results
 from igatools.driver import quantities, units
 from igatools.driver.grids import GridRun
 from igatools.driver.kept import write_text
+from igatools.driver.programs import Failed
 from igatools.driver.quantities import Quantity
 
 # That of contact, which begins and ends at single places of the surface; a lumped mass alone would give two.
@@ -32,15 +33,15 @@ class ExplicitRun(GridRun):
         words = self.words_for(name)
         write_text(words[1], text)
         try:
-            report = self.made(name, "igasolve", words, [text, *inputs])
-        except KeyboardInterrupt:
+            report = self.files.made(name, "igasolve", words, [text, *inputs])
+        except (KeyboardInterrupt, Failed):  # stopped from here
             self.remove(name)
             raise
-        return report, self.command("igasolve", words, name)
+        return report, self.files.command("igasolve", words, name)
 
     def holds(self, name, text, inputs):
         """Are the results of such a run there?"""
-        return self.kept.find(name, self.file_key("igasolve", self.words_for(name), [text, *inputs])) is not None
+        return self.files.holds(name, "igasolve", self.words_for(name), [text, *inputs])
 
     def words_for(self, name):
         return ["explicit", self.options.output / name.replace(".h5", ".toml")]

@@ -1,17 +1,17 @@
 """What all commands of iga share: finer and finer grids of one part, until the estimated errors are below the tolerance, or until
 memory or time would not do; files of earlier calls that still hold; the report."""
-import shlex
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from igatools import iga_model
 from igatools.driver import part, run_file, singular
-from igatools.driver.kept import Kept, hash_of_file, key_of
+from igatools.driver.output_files import OutputFiles
 from igatools.driver.programs import RunError, Failed, free_memory_gib
 
 REFINEMENT = 1.5      # span size over that of the next grid
 MEMORY_SHARE = 0.8    # of what is free
+HARD_LIMIT = 1.5      # of --max-time: a grid that was expected to fit in is stopped there; the first one always ends
 GIB = 2**30
 WORDS = {"in": "inches", "ft": "feet"}
 MOST_MEMORY = 1024  # GiB: beyond it nobody wants to know how much
@@ -44,13 +44,11 @@ class GridRun:
 
     def __init__(self, programs, options):
         self.programs, self.options, self.progress = programs, options, programs.progress
-        self.kept = Kept(options.output, not options.fresh)
+        self.files = OutputFiles(programs, options)
         self.grids, self.notes = [], []
         self.settings = run_file.read(options.run) if options.run else {}
         self.interrupted = False
-        self.reused = 0
         self.started = time.monotonic()
-        self.part_hash = hash_of_file(options.part)
         self.singular_lines = None
 
     # ------------------------------------------------------------------------------------------------ what commands bring
@@ -86,6 +84,7 @@ class GridRun:
         except KeyboardInterrupt:
             if not self.grids:
                 raise
+            self.estimate()  # of what is done
             self.interrupted = True
             self.notes.append(f"interrupted: what stands here is that of the first {len(self.grids)} grids"
                               if len(self.grids) > 1 else "interrupted: what stands here is that of the first grid alone")
@@ -105,6 +104,7 @@ class GridRun:
                     raise
                 self.notes.append(f"spans of {size:.4g} failed: {failure}")
                 return
+            self.programs.deadline = self.started + HARD_LIMIT * self.options.max_time
             self.estimate()
             self.tell()
             if self.is_good_enough():
@@ -135,8 +135,8 @@ class GridRun:
             raise Failed(f"{o.part} does not say its length unit, which a material by name, gravity and speeds need; give "
                          "--length-unit mm (or m)", 2)
         if not part.is_cad(o.part) or o.run or getattr(o, "probe", None) or o.length_unit or o.span_size:
-            raise Failed(f"{o.part} is in {WORDS.get(unit, unit)}, in which no material has a name; give --length-unit mm and all positions and sizes in mm "
-                         "(CAD files are converted; of other files --scale makes millimetres)", 2)
+            raise Failed(f"{o.part} is in {WORDS.get(unit, unit)}, in which no material has a name; give --length-unit mm and all "
+                         "positions and sizes in mm (CAD files are converted; of other files --scale makes millimetres)", 2)
         o.length_unit = "mm"
         self.notes.append(f"{o.part} is in {WORDS.get(unit, unit)}; all lengths here are in mm")
         return look()
@@ -146,8 +146,9 @@ class GridRun:
         self.progress.begin(f"grid {number}, spans of {size:.4g}", self.expected_seconds(size))
         self.progress.stage("model")
         name = f"model_{number}.h5"
-        prep = self.prepare(name, "--span-size", f"{size:.12g}", *chord)
-        commands = [self.command("igaprep", self.prepare_words("--span-size", f"{size:.12g}", *chord), name)]
+        words = ["--span-size", f"{size:.12g}", *chord]
+        prep = self.prepare(name, *words)
+        commands = [self.files.command("igaprep", self.files.prepare_words(*self.PREP, *words), name)]
         self.refuse_beyond_memory(name)
         self.progress.stage("solving")
         results, report, command = self.solve(number, self.options.output / name, prep)
@@ -156,39 +157,10 @@ class GridRun:
         self.measure(grid)
         return grid
 
-    # ---------------------------------------------------------------------------------------------- programs, files, limits
-
-    def made(self, name, program, words, inputs=(), asked=None, settings=()):
-        """The report of the program that makes the file `name` in the output folder, run where no earlier one holds.
-        inputs: what it reads, as hashes or keys; asked: number by which a larger one serves as well, passed by `settings`."""
-        key = self.file_key(program, words, inputs)
-        found = self.kept.find(name, key, asked or 0)
-        if found:
-            self.reused += 1
-            return found
-        self.kept.forget(name)
-        found = self.programs.run(program, *words, *settings, "-o", self.options.output / name, "--force")
-        self.kept.keep(name, key, found, asked or 0)
-        return found
-
-    def file_key(self, program, words, inputs):
-        return key_of(self.programs.identity(program), *words, *inputs)
-
-    def key_of(self, name):
-        """Of a file that was made."""
-        return self.kept.entries[name]["key"]
-
-    def command(self, program, words, name):
-        """A line that a user may repeat."""
-        return shlex.join([program, *map(str, words), "-o", str(self.options.output / name), "--force"])
-
-    def prepare_words(self, *words):
-        o = self.options
-        unit = ["--length-unit", o.length_unit] if o.length_unit else []
-        return [o.part, "--degree", o.degree, *self.PREP, *unit, *o.igaprep, *words]
+    # -------------------------------------------------------------------------------------------------------------- limits
 
     def prepare(self, name, *words):
-        return self.made(name, "igaprep", self.prepare_words(*words), [self.part_hash])
+        return self.files.prepare(name, *self.PREP, *words)
 
     def chord(self, size):
         """One surface for all grids, the finer the smaller the tolerance: a thousandth of the first span at one per cent."""
@@ -286,7 +258,7 @@ class GridRun:
             "seconds": time.monotonic() - self.started, "peak_memory": self.peak_memory(), "notes": self.notes,
             "findings": finest.report["findings"], "warnings": finest.report["warnings"],
             "model": finest.model.name, "results": finest.results.name, "commands": finest.commands,
-            "order_relied_on": self.order_relied_on(), "reused_files": self.reused,
+            "order_relied_on": self.order_relied_on(), "reused_files": self.files.reused,
             "versions": {name: self.programs.version(name) for name in ("igaprep", "igasolve")}}
         return common | self.findings()
 

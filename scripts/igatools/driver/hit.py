@@ -94,7 +94,7 @@ class HitRun(ExplicitRun):
         return name, report, command
 
     def hit(self, name, model, size):
-        return self.explicit(name, self.run_text(model, size), [self.key_of(model.name)])
+        return self.explicit(name, self.run_text(model, size), [self.files.key_of(model.name)])
 
     def first_hit(self, name, model, size):
         """Runs until the part has left the wall, each twice as long as the one before; then once until shortly after it, with the rows
@@ -122,7 +122,7 @@ class HitRun(ExplicitRun):
         if not path.exists():
             return False
         self.end = run_file.read(path).get("time", {}).get("end", 0.0)
-        if not self.holds(name, self.run_text(model, size), [self.key_of(model.name)]):
+        if not self.holds(name, self.run_text(model, size), [self.files.key_of(model.name)]):
             return False
         self.has_left = self.released(name) is not None
         return self.has_left

@@ -29,7 +29,7 @@ class ImpactRun(ExplicitRun):
     def solve(self, number, model, prep):
         name = f"impact_{number}.h5"
         text = run_file.elsewhere(self.options.run, self.settings, {self.body["model"]: model})
-        report, command = self.explicit(name, text, [self.key_of(model.name), *run_file.content(self.options.run, self.settings)])
+        report, command = self.explicit(name, text, [self.files.key_of(model.name), *run_file.content(self.options.run, self.settings)])
         return name, report, command
 
     def measure(self, grid):

@@ -39,10 +39,10 @@ class ModesRun(GridRun):
     def solve(self, number, model, prep):
         o, name = self.options, f"modes_{number}.h5"
         words = ["eigen", *([o.run, "--model", model] if o.run else [model]), *o.material]
-        inputs = [self.key_of(model.name), *(run_file.content(o.run, self.settings) if o.run else [])]
+        inputs = [self.files.key_of(model.name), *(run_file.content(o.run, self.settings) if o.run else [])]
         count = ["--modes", o.modes + SPARE_MODES]
-        report = self.made(name, "igasolve", words, inputs, o.modes, count)
-        return name, report, self.command("igasolve", [*words, *count], name)
+        report = self.files.made(name, "igasolve", words, inputs, o.modes, count)
+        return name, report, self.files.command("igasolve", [*words, *count], name)
 
     def measure(self, grid):
         """Elastic modes at the vertices of the surface."""

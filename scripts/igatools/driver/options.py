@@ -95,7 +95,7 @@ def add_common(p, command):
     group.add_argument("--span-size", type=above_zero, help="of the first grid [from the part]")
     group = p.add_argument_group("running")
     group.add_argument("--tolerance", type=share, help="of every number, such as 1%% (default: two grids, whatever the error)")
-    group.add_argument("--max-time", type=above_zero, default=600, metavar="S", help="seconds in all [600]")
+    group.add_argument("--max-time", type=above_zero, default=600, metavar="S", help="seconds in all [600]; a grid that was expected to fit in is stopped after half as much again")
     group.add_argument("--memory", type=above_zero, metavar="GIB", help="that one run may use [four fifths of what is free]")
     group.add_argument("--fresh", action="store_true", help="use no file of an earlier call")
     group.add_argument("-o", "--output", type=Path, help=f"folder [<part>_{command}]")

@@ -24,6 +24,7 @@ class Programs:
         self.progress = progress
         self.log = open(folder / "log.txt", "a")
         self.peak_memory_mib = 0.0
+        self.deadline = float("inf")  # on the monotonic clock: no program runs beyond it
 
     @staticmethod
     def find():
@@ -51,10 +52,16 @@ class Programs:
         self.log.write(shlex.join(command) + "\n")
         self.log.flush()
         begin = time.monotonic()
-        found = report(command, self.log, self.progress.tick)
+        found = report(command, self.log, self.wait)
         found["wall_seconds"] = time.monotonic() - begin
         self.peak_memory_mib = max(self.peak_memory_mib, found.get("peak_memory_mib", 0.0))
         return found
+
+    def wait(self):
+        """While a program runs."""
+        self.progress.tick()
+        if time.monotonic() > self.deadline:
+            raise Failed("stopped, since --max-time was over for long", 4)
 
 
 def free_memory_gib():

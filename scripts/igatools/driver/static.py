@@ -35,8 +35,8 @@ class StaticRun(GridRun):
     def solve(self, number, model, prep):
         name = f"static_{number}.h5"
         words = ["static", self.run_path, "--model", model, *self.options.material]
-        report = self.made(name, "igasolve", words, [self.key_of(model.name), *run_file.content(self.run_path, self.settings)])
-        return name, report, self.command("igasolve", words, name)
+        report = self.files.made(name, "igasolve", words, [self.files.key_of(model.name), *run_file.content(self.run_path, self.settings)])
+        return name, report, self.files.command("igasolve", words, name)
 
     def measure(self, grid):
         model, results = iga_model.read(grid.model), iga_results.read(grid.results)
