@@ -12,6 +12,7 @@ from igatools.driver.programs import RunError, Failed, free_memory_gib
 REFINEMENT = 1.5      # span size over that of the next grid
 MEMORY_SHARE = 0.8    # of what is free
 HARD_LIMIT = 1.5      # of --max-time: a grid that was expected to fit in is stopped there; the first one always ends
+LEAST_SECONDS, LEAST_MEMORY = 1.0, 200.0  # s, MiB: below them what every start costs counts too
 GIB = 2**30
 WORDS = {"in": "inches", "ft": "feet"}
 MOST_MEMORY = 1024  # GiB: beyond it nobody wants to know how much
@@ -88,6 +89,7 @@ class GridRun:
             self.interrupted = True
             self.notes.append(f"interrupted: what stands here is that of the first {len(self.grids)} grids"
                               if len(self.grids) > 1 else "interrupted: what stands here is that of the first grid alone")
+        self.programs.deadline = float("inf")  # what the report wants is not held against it
         return self.report()
 
     def refine(self):
@@ -177,13 +179,20 @@ class GridRun:
         if need > limit:
             raise Failed(f"igasolve would need {need:.2g} GiB, {limit:.2g} GiB may be used (--memory)", 2)
 
-    def time_power(self):
-        """How the time of a grid goes with the number of spans along a side: as seen on the last two grids, within reason."""
-        if len(self.grids) < 2 or min(grid.seconds for grid in self.grids[-2:]) < 1:  # below a second start-up counts too
-            return self.TIME_POWER
+    def seen_power(self, values, least, usual, low, high):
+        """The power of the number of spans along a side with which a cost went on the last two grids, within reason; the usual one where
+        these are too cheap to tell."""
+        if len(values) < 2 or min(values[-2:]) < least:
+            return usual
         before, last = self.grids[-2:]
-        seen = part.power(last.seconds / before.seconds, before.span_size / last.span_size)
-        return min(max(seen, self.TIME_POWER - 1), self.TIME_POWER + 2)
+        return min(max(part.power(values[-1] / values[-2], before.span_size / last.span_size), usual - low), usual + high)
+
+    def time_power(self):
+        return self.seen_power([grid.seconds for grid in self.grids], LEAST_SECONDS, self.TIME_POWER, 1, 2)
+
+    def memory_power(self):
+        memory = [grid.report.get("peak_memory_mib", 0.0) for grid in self.grids]
+        return self.seen_power(memory, LEAST_MEMORY, self.MEMORY_POWER, 1, 0)
 
     def expected_seconds(self, size):
         return self.grids[-1].seconds * (self.grids[-1].span_size / size) ** self.time_power() if self.grids else None
@@ -239,7 +248,7 @@ class GridRun:
         if self.options.tolerance is None or not worst or worst <= self.options.tolerance:
             return None
         finer = (worst / self.options.tolerance) ** (1 / order)
-        last, memory = self.grids[-1], self.peak_memory() / 1024 * finer**self.MEMORY_POWER
+        last, memory = self.grids[-1], self.peak_memory() / 1024 * finer ** self.memory_power()
         time_words = f"about {words_for_seconds(last.seconds * finer ** self.time_power())} and {memory:.2g} GiB for that grid alone"
         return (f"reached is an error of {100 * worst:.2g} %; {100 * self.options.tolerance:.2g} % would want spans of about "
                 f"{last.span_size / finer:.2g}, " + (time_words if memory < MOST_MEMORY else "more than machines have"))

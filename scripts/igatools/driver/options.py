@@ -95,7 +95,8 @@ def add_common(p, command):
     group.add_argument("--span-size", type=above_zero, help="of the first grid [from the part]")
     group = p.add_argument_group("running")
     group.add_argument("--tolerance", type=share, help="of every number, such as 1%% (default: two grids, whatever the error)")
-    group.add_argument("--max-time", type=above_zero, default=600, metavar="S", help="seconds in all [600]; a grid that was expected to fit in is stopped after half as much again")
+    group.add_argument("--max-time", type=above_zero, default=600, metavar="S",
+                       help="seconds in all [600]; a grid that was expected to fit in is stopped after half as much again")
     group.add_argument("--memory", type=above_zero, metavar="GIB", help="that one run may use [four fifths of what is free]")
     group.add_argument("--fresh", action="store_true", help="use no file of an earlier call")
     group.add_argument("-o", "--output", type=Path, help=f"folder [<part>_{command}]")
@@ -168,7 +169,8 @@ def complete(o, parser):
     o.material += [word for key, value in o.material_numbers.items() for word in (f"--{key}", value)]
     o.material += ["--unit-system", o.unit_system] if o.unit_system else []
     if not o.material_name and not o.run and len(o.material_numbers) < 3:
-        parser.error("give --material NAME, or --E, --nu and --rho" + ("" if o.command == "drop" else ", or a run file that has them (--run)"))
+        parser.error("give --material NAME, or --E, --nu and --rho"
+                     + ("" if o.command == "drop" else ", or a run file that has them (--run)"))
     if o.command == "impact" and bool(o.run) == bool(o.speed):
         parser.error("give a run file (--run) or the speed of the part against a rigid wall (--speed), one of the two")
     o.output = o.output or Path(f"{o.part.stem}_{o.command}")
