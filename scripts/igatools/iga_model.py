@@ -191,6 +191,9 @@ class Model:
         value = self.attributes[owner][name]
         return _text(value) if isinstance(value, (bytes, str)) else value
 
+    def texts(self, path):
+        return [_text(value) for value in self[path]]
+
     def cell_spans(self, cells=slice(None)):
         """Index triples (i, j, k) of the spans that cells are pieces of: (n, 3); all cells by default."""
         return self.split_numbers(self["/cells/span"][cells], self.spans)

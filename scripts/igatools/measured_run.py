@@ -8,8 +8,15 @@ import tempfile
 from pathlib import Path
 
 class RunError(Exception):
-    """One run failed; the others go on."""
+    """A program ended with an error: its words and its exit code."""
 
+    def __init__(self, message, code=1):
+        super().__init__(message)
+        self.code = code
+
+
+WAIT = 0.25  # seconds between two calls of while_waiting
+GRACE = 10   # seconds that a tool has to end
 
 # A small process of its own starts the program: memory that the caller holds would otherwise count as the program's peak.
 LAUNCHER = """
@@ -41,13 +48,44 @@ def last_words(log):
     return lines[-1] if lines else "no output"
 
 
-def report(command):
-    """The object that a tool prints with --json. Raises RunError with the tool's last words."""
-    done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
-    if done.returncode != 0:
-        words = done.stderr.strip().splitlines() or ["no output"]
-        raise RunError(f"{Path(command[0]).name} ended with exit code {done.returncode}: {words[-1]}")
-    return json.loads(done.stdout)
+def report(command, log=None, while_waiting=None):
+    """The object that a tool prints with --json. What it says on stderr goes to the open file `log`; while_waiting() is called some
+    times a second. The tool does not outlive an exception here, such as that of Ctrl-C. Raises RunError with the tool's last words."""
+    process = subprocess.Popen([str(word) for word in command], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                               start_new_session=True)  # Ctrl-C in a terminal reaches this process alone, which then ends the tool
+    try:
+        out, err = finished(process, while_waiting)
+    except BaseException:
+        end(process)
+        raise
+    if log:
+        log.write(err)
+        log.flush()
+    if process.returncode != 0:
+        own = [line for line in err.splitlines() if ": error: " in line]
+        last = (err.strip().splitlines() or ["no output"])[-1]
+        raise RunError(own[0] if own else f"{Path(command[0]).name} ended with exit code {process.returncode}: {last}",
+                       process.returncode)
+    return json.loads(out)
+
+
+def finished(process, while_waiting):
+    """What a process wrote to stdout and stderr until its end."""
+    while True:
+        try:
+            return process.communicate(timeout=WAIT if while_waiting else None)
+        except subprocess.TimeoutExpired:
+            while_waiting()
+
+
+def end(process):
+    """Asks a process to end, and makes it where it does not within some seconds."""
+    process.terminate()
+    try:
+        process.communicate(timeout=GRACE)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.communicate()
 
 
 def measured_report(command, log, threads=1):

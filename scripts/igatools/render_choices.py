@@ -1,74 +1,15 @@
-"""Supports and loads of a run file drawn on the part: every choice of surface in a colour of its own.
-
-The choices follow solver/space/surface_cut.cpp: whole triangles by region and normal, cut exactly by boxes and planes.
-"""
-import math
+"""Supports and loads of a run file drawn on the part: every choice of surface in a colour of its own."""
 import sys
 import tomllib
 
 import numpy as np
 
 from igatools import drawing, iga_model
+from igatools.choices import chosen_polygons, snap_length
 
 TABLES = ("support", "load")
 COLOURS = ((0.84, 0.15, 0.16), (0.12, 0.47, 0.71), (0.17, 0.63, 0.17), (1.0, 0.5, 0.05), (0.58, 0.4, 0.74), (0.55, 0.34, 0.29),
            (0.89, 0.47, 0.76), (0.09, 0.75, 0.81))
-
-
-def clip(polygon, normal, offset, snap):
-    """The part of a convex polygon with normal · x <= offset; corners within `snap` count as in the plane."""
-    heights = polygon @ normal - offset
-    heights[np.abs(heights) <= snap] = 0
-    if (heights <= 0).all():
-        return polygon
-    out = []
-    for k in range(len(polygon)):
-        p, q, hp, hq = polygon[k], polygon[k - len(polygon) + 1], heights[k], heights[k - len(polygon) + 1]
-        if hp <= 0:
-            out.append(p)
-        if hp * hq < 0:
-            out.append(p + hp / (hp - hq) * (q - p))
-    return np.array(out).reshape(-1, 3)
-
-
-def half_spaces(table):
-    sides = []
-    if "plane" in table:
-        normal = np.array(table["plane"]["normal"], float)
-        normal /= np.linalg.norm(normal)
-        place, tolerance = normal @ np.array(table["plane"]["point"], float), table["plane"].get("tolerance", 0)
-        sides += [(normal, place + tolerance), (-normal, -place + tolerance)]
-    if "box" in table:
-        for d in range(3):
-            axis = np.eye(3)[d]
-            sides += [(axis, table["box"][3 + d]), (-axis, -table["box"][d])]
-    return sides
-
-
-def chosen_polygons(table, vertices, triangles, region, names, snap):
-    """Polygons (k × 3) of a choice of surface."""
-    wanted = None
-    if "region" in table:
-        given = table["region"] if isinstance(table["region"], list) else [table["region"]]
-        wanted = {r for r, name in enumerate(names) if name in given or r in given}
-    sides = half_spaces(table)
-    polygons = []
-    for t, corners in enumerate(vertices[triangles]):
-        if wanted is not None and region[t] not in wanted:
-            continue
-        if "normal" in table:
-            n, direction = np.cross(corners[1] - corners[0], corners[2] - corners[0]), np.array(table["normal"]["direction"], float)
-            cosine = n @ direction / max(np.linalg.norm(n) * np.linalg.norm(direction), 1e-300)
-            if cosine < math.cos(math.radians(table["normal"].get("angle", 1))) - 1e-12:
-                continue
-        polygon = corners
-        for normal, offset in sides:
-            polygon = clip(polygon, normal, offset, snap)
-            if len(polygon) < 3:
-                break
-        if len(polygon) >= 3:
-            polygons.append(polygon)
-    return polygons
 
 
 def area_and_centroid(polygons):
@@ -104,12 +45,6 @@ def read_run(path):
     return path.parent / run["model"], chosen
 
 
-def snap_length(model):
-    """Corners closer to a plane than this lie in it: as surface_depth() of format/model/trimmed_model.hpp, but for rounding."""
-    h = (np.array(model.attribute("/patch", "B")) - model.attribute("/patch", "A")) / model.attribute("/patch", "spans")
-    return float(np.linalg.norm(h) * (model.attribute("/quadrature", "sliver_tolerance") + 1e-9))
-
-
 def patch(polygons, lift):
     """Polydata of convex polygons, lifted off the surface so that they are seen on it."""
     points, triangles = [], []
@@ -128,7 +63,7 @@ def draw(arguments):
     try:
         model = iga_model.read(path)
         vertices, triangles = model["/surface/vertices"], model["/surface/triangles"]
-        region, names = model["/surface/region"], [drawing.text(name) for name in model["/surface/regions"]]
+        region, names = model["/surface/region"], model.texts("/surface/regions")
         snap = snap_length(model)
     except (OSError, KeyError) as error:
         sys.exit(f"render.py: {path}: not a readable interchange file ({error}); try igasolve check")

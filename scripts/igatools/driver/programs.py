@@ -1,30 +1,30 @@
-"""Runs igaprep and igasolve, says what runs and for how long, and keeps what they say."""
-import json
+"""Runs igaprep and igasolve, shows how far they are, and keeps what they say."""
 import os
+import shlex
 import subprocess
-import sys
 import time
 from pathlib import Path
 
 from igatools import ROOT
+from igatools.measured_run import RunError, report
 
 
-class Failed(Exception):
-    """A program ended with an error: its message and exit code."""
-
-    def __init__(self, message, code):
-        super().__init__(message)
-        self.code = code
+class Failed(RunError):
+    """What the driver itself finds wrong: a message and the exit code that goes with it."""
 
 
 class Programs:
     """The two programs, with a log of every command."""
 
-    def __init__(self, folder, quiet, binaries=None):
+    def __init__(self, folder, progress, binaries=None):
         self.binaries = Path(binaries) if binaries else self.find()
-        self.quiet = quiet
+        for name in ("igaprep", "igasolve"):
+            if not (self.binaries / name).exists():
+                raise Failed(f"{self.binaries} has no {name}", 2)
+        self.progress = progress
         self.log = open(folder / "log.txt", "a")
         self.peak_memory_mib = 0.0
+        self.deadline = float("inf")  # on the monotonic clock: no program runs beyond it
 
     @staticmethod
     def find():
@@ -37,31 +37,31 @@ class Programs:
                 return Path(folder)
         raise Failed("igaprep is neither built nor installed; run: cmake --preset release && cmake --build --preset release", 2)
 
-    def say(self, text):
-        if not self.quiet:
-            print(text, file=sys.stderr, flush=True)
+    def identity(self, program):
+        """Changes whenever the program does."""
+        state = (self.binaries / program).stat()
+        return f"{program} {state.st_size} {state.st_mtime_ns}"
+
+    def version(self, program):
+        done = subprocess.run([str(self.binaries / program), "--version"], capture_output=True, text=True)
+        return done.stdout.strip().removeprefix(program).strip()
 
     def run(self, program, *words):
         """The object that the program prints with --json, with the seconds that it took under "wall_seconds"."""
         command = [str(self.binaries / program), *map(str, words), "--json"]
-        self.log.write(" ".join(command) + "\n")
+        self.log.write(shlex.join(command) + "\n")
         self.log.flush()
         begin = time.monotonic()
-        process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        try:
-            out, err = process.communicate()
-        except KeyboardInterrupt:
-            process.wait()
-            raise
-        self.log.write(err)
-        self.log.flush()
-        if process.returncode != 0:
-            message = [line for line in err.splitlines() if ": error: " in line] or err.splitlines()[-1:] or ["no output"]
-            raise Failed(message[0], process.returncode)
-        found = json.loads(out)
+        found = report(command, self.log, self.wait)
         found["wall_seconds"] = time.monotonic() - begin
         self.peak_memory_mib = max(self.peak_memory_mib, found.get("peak_memory_mib", 0.0))
         return found
+
+    def wait(self):
+        """While a program runs."""
+        self.progress.tick()
+        if time.monotonic() > self.deadline:
+            raise Failed("stopped, since --max-time was over for long", 4)
 
 
 def free_memory_gib():
