@@ -73,6 +73,7 @@ class Residuals {
     const auto cells = static_cast<Index>(model_.num_cells());
     MatrixXd energy(cells, fields_);
     std::vector<MatrixXd> loaded = loaded_residuals();
+    add_jumps(loaded);
     tbb::enumerable_thread_specific<SpanShapes> shapes;
     tbb::parallel_for(Index{0}, cells, [&](Index a) {
       const CellFields fields = monomials_.fields(space_, a, problem_.unknowns, shapes.local());
@@ -140,14 +141,20 @@ class Residuals {
     const auto first = static_cast<std::size_t>(surface.offsets[static_cast<std::size_t>(a)]),
                last = static_cast<std::size_t>(surface.offsets[static_cast<std::size_t>(a) + 1]);
     const Eigen::MatrixX3d xi = monomials_.local(span_of(a), surface_parameters(model_, a));
-    const MatrixXd W = weighted_tests(xi, std::span(surface.weights).subspan(first, last - first));
-    MatrixXd by_normal(xi.rows(), 3 * tests); // column 3 j + i
+    Eigen::MatrixX3d along(xi.rows(), 3);
     for (Index q = 0; q < xi.rows(); ++q) {
       const double* normal = &surface.normals[3 * (first + static_cast<std::size_t>(q))];
-      const Point3 along = grid_.along_axes({normal[0], normal[1], normal[2]});
-      for (Index j = 0; j < tests; ++j)
-        for (Index i = 0; i < 3; ++i) by_normal(q, 3 * j + i) = W(q, j) * along[static_cast<std::size_t>(i)];
+      along.row(q) = as_vector(grid_.along_axes({normal[0], normal[1], normal[2]})).transpose();
     }
+    return surface_moments(xi, std::span(surface.weights).subspan(first, last - first), along);
+  }
+
+  MatrixXd surface_moments(const Eigen::MatrixX3d& xi, std::span<const double> weights,
+                           const Eigen::MatrixX3d& normals) const {
+    const MatrixXd W = weighted_tests(xi, weights);
+    MatrixXd by_normal(xi.rows(), 3 * tests); // column 3 j + i
+    for (Index j = 0; j < tests; ++j)
+      for (Index i = 0; i < 3; ++i) by_normal.col(3 * j + i) = W.col(j).cwiseProduct(normals.col(i));
     return summed(by_normal, monomials_.gradients(xi));
   }
 
@@ -183,6 +190,52 @@ class Residuals {
       energy += part.cwiseProduct(softness_[static_cast<std::size_t>(j)] * part).colwise().sum() / filled;
     }
     return energy;
+  }
+
+  // Beside the end of a gap fields are continuous, not smooth, from cell to cell: half the jump of their traction counts
+  // for either one. How much of a face is solid is not in the model; as much as in the emptier of its two cells is taken.
+  void add_jumps(std::vector<MatrixXd>& residuals) const {
+    SpanShapes shapes;
+    for (std::size_t link = 0; link < model_.links.size(); ++link) {
+      const auto [a, b] = model_.links[link];
+      if (!space_.is_bernstein(a) && !space_.is_bernstein(b)) continue;
+      const Index3 lower = span_of(a), upper = span_of(b);
+      std::size_t d = 0;
+      while (lower[d] == upper[d]) ++d;
+      std::vector<double> weights;
+      Eigen::MatrixX3d xi = face_points(d, weights);
+      const double filled = std::min(model_.cells.volume_fraction[static_cast<std::size_t>(a)],
+                                     model_.cells.volume_fraction[static_cast<std::size_t>(b)]);
+      for (double& w : weights) w *= 0.5 * filled;
+      Eigen::MatrixX3d normals = Eigen::MatrixX3d::Zero(xi.rows(), 3);
+      normals.col(static_cast<Index>(d)).setOnes();
+      const auto traction = [&](std::int32_t cell, double side) {
+        xi.col(static_cast<Index>(d)).setConstant(side);
+        return on_surface(surface_moments(xi, weights, normals),
+                          monomials_.fields(space_, cell, problem_.unknowns, shapes));
+      };
+      const MatrixXd jump = traction(a, 1) - traction(b, 0);
+      for (const std::int32_t cell : {a, b}) {
+        MatrixXd& r = residuals[static_cast<std::size_t>(cell)];
+        if (r.size() == 0) r.setZero(3 * tests, fields_);
+        r -= jump;
+      }
+    }
+  }
+
+  // Gauss points of the faces across a direction, units of the span; that coordinate is left open.
+  Eigen::MatrixX3d face_points(std::size_t d, std::vector<double>& weights) const {
+    const std::size_t u = (d + 1) % 3, v = (d + 2) % 3;
+    const Point3 h = grid_.span_size();
+    const Eigen::MatrixX2d first = gauss_rule(grid_.degree()[u] + orders), second = gauss_rule(grid_.degree()[v] + orders);
+    Eigen::MatrixX3d xi(first.rows() * second.rows(), 3);
+    for (Index q = 0; q < xi.rows(); ++q) {
+      const Index i = q % first.rows(), j = q / first.rows();
+      xi(q, static_cast<Index>(u)) = first(i, 0);
+      xi(q, static_cast<Index>(v)) = second(j, 0);
+      weights.push_back(h[u] * h[v] * first(i, 1) * second(j, 1));
+    }
+    return xi;
   }
 
   // What regions that bear traction add: Σ w t · w_j, by cell; empty elsewhere.
