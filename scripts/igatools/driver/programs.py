@@ -28,11 +28,12 @@ class Programs:
 
     @staticmethod
     def find():
-        """Beside the sources' builds, or on the PATH."""
+        """In the sources' builds, beside the script that runs, or on the PATH."""
         for preset in ("release", "portable"):
             if (ROOT / "build" / preset / "bin" / "igaprep").exists():
                 return ROOT / "build" / preset / "bin"
-        for folder in os.environ.get("PATH", "").split(os.pathsep):
+        beside = Path(sys.argv[0]).absolute().parent  # an installed iga is a link
+        for folder in (beside, *os.environ.get("PATH", "").split(os.pathsep)):
             if (Path(folder) / "igaprep").exists():
                 return Path(folder)
         raise Failed("igaprep is neither built nor installed; run: cmake --preset release && cmake --build --preset release", 2)
