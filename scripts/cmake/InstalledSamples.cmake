@@ -3,11 +3,12 @@
 # usage: cmake -DSOURCES=samples -DPARTS=build/release/samples -DOUTPUT=folder -P InstalledSamples.cmake
 file(REMOVE_RECURSE ${OUTPUT})
 file(GLOB_RECURSE files RELATIVE ${SOURCES} ${SOURCES}/*.md ${SOURCES}/*.toml ${SOURCES}/*.csv ${SOURCES}/*.stl
-     ${SOURCES}/*.step)
+     ${SOURCES}/*.step ${SOURCES}/results_in_python/*.py)
 foreach(file IN LISTS files)
   if(file MATCHES "\\.(md|toml)$")
     file(READ ${SOURCES}/${file} text)
     string(REGEX REPLACE "\\.\\./\\.\\./build/(release/samples|[a-z_]+)/" "../parts/" text "${text}")
+    string(REPLACE "PYTHONPATH=scripts FILES=build/release/samples" "FILES=samples/parts" text "${text}")
     string(REPLACE "build/release/samples/" "samples/parts/" text "${text}")
     string(REPLACE "build/release/bin/" "" text "${text}")
     string(REPLACE "   # from the target sample_parts" "" text "${text}")
