@@ -1,5 +1,5 @@
 # Manual pages and completions for bash, made from what the built programs print with --help.
-if(IGA_FUZZ OR NOT IGA_PYTHON)
+if(IGA_FUZZ OR IGA_SANITIZE OR NOT IGA_PYTHON)
   return()
 endif()
 execute_process(COMMAND ${IGA_PYTHON} -c "import h5py, numpy, scipy" RESULT_VARIABLE missing ERROR_QUIET OUTPUT_QUIET)

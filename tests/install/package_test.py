@@ -24,7 +24,8 @@ class Packages(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         shutil.rmtree(WORK, ignore_errors=True)
-        run(CPACK, "--config", BUILD / "CPackConfig.cmake", "-B", WORK, cwd=BUILD)
+        run(CPACK, "--config", BUILD / "CPackConfig.cmake", "-B", WORK, "-D", "CPACK_DEBIAN_COMPRESSION_TYPE=gzip",
+            cwd=BUILD)  # faster than xz
         shutil.rmtree(WORK / "_CPack_Packages")
         cls.packages = {path.name.split("_")[0]: path for path in WORK.glob("*.deb")}
         for package in cls.packages.values():
