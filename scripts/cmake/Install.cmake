@@ -31,7 +31,8 @@ set(installed_samples ${CMAKE_CURRENT_BINARY_DIR}/installed_samples)
 install(CODE "execute_process(COMMAND \"${CMAKE_COMMAND}\" -DSOURCES=${CMAKE_SOURCE_DIR}/samples -DPARTS=${CMAKE_BINARY_DIR}/samples
   -DOUTPUT=${installed_samples} -P \"${CMAKE_SOURCE_DIR}/scripts/cmake/InstalledSamples.cmake\" COMMAND_ERROR_IS_FATAL ANY)"
   COMPONENT programs)
-install(DIRECTORY ${installed_samples}/ DESTINATION ${iga_data}/samples COMPONENT programs)
+install(DIRECTORY ${installed_samples}/ DESTINATION ${iga_data}/samples COMPONENT programs
+        USE_SOURCE_PERMISSIONS)
 
 install(FILES README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT programs)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT licence) # Debian has the GPL: no package takes it along

@@ -49,6 +49,19 @@ class Installed(unittest.TestCase):
         text = "import sys; from igatools import iga_model; print(len(iga_model.read(sys.argv[1])['/cells/span']))"
         self.assertEqual(run(sys.executable, "-c", text, self.model, env=env, cwd="/").split(), [str(self.cells)])
 
+    def test_samples_lead_nowhere_else(self):
+        for path in (self.prefix / "share/iga-trimmed-solids/samples").rglob("*.toml"):
+            self.assertNotIn("build/", path.read_text(), path)
+
+    def test_python_sample(self):
+        self.installed.prepare("12_bracket_static", "bracket_static_model.h5", "--span-size", 6)
+        self.installed.run("igasolve", "static", "samples/12_bracket_static/run.toml", "--no-viewer", "--quiet")
+        env = {**self.installed.env, "PYTHONPATH": str(self.prefix / "share/iga-trimmed-solids/scripts")}
+        parts = self.installed.folder / "samples/parts"
+        run(self.installed.folder / "samples/results_in_python/bracket.py", parts / "bracket_static_model.h5",
+            parts / "bracket_static.h5", env=env, cwd=self.installed.folder)
+        self.assertTrue((self.installed.folder / "bracket_spans.vtu").exists())
+
     def test_consumer_by_cmake(self):
         folder = WORK / "consumer_cmake"
         run(CMAKE, "-S", CONSUMER, "-B", folder, f"-DCMAKE_PREFIX_PATH={self.prefix}", "-DCMAKE_BUILD_TYPE=Release")
