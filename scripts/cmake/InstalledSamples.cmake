@@ -4,7 +4,7 @@
 file(REMOVE_RECURSE ${OUTPUT})
 file(GLOB_RECURSE files RELATIVE ${SOURCES} ${SOURCES}/*.md ${SOURCES}/*.toml ${SOURCES}/*.csv ${SOURCES}/*.stl
      ${SOURCES}/*.step ${SOURCES}/results_in_python/*.py)
-list(FILTER files EXCLUDE REGEX "^(11_foam_modes_vs_fem|drop_test|elastic_wave)/") # run by scripts that stay with the sources
+list(FILTER files EXCLUDE REGEX "^(11_foam_modes_vs_fem|elastic_wave)/") # run by scripts that stay with the sources
 foreach(file IN LISTS files)
   if(file MATCHES "\\.(md|toml)$")
     file(READ ${SOURCES}/${file} text)
