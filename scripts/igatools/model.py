@@ -6,6 +6,7 @@ import numpy as np
 
 from igatools import iga_model, vtk_files
 from igatools.iga_schema import text_of
+from igatools.labels import Labels
 from igatools.locate import Locator
 from igatools.tables import Table, write_tables
 
@@ -14,7 +15,7 @@ CORNERS = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0
 STATES = {1: "interior", 2: "trimmed"}
 
 
-class Model(iga_model.Model):
+class Model(Labels, iga_model.Model):
     """A model made by igaprep: a solid in a grid of B-splines, with quadrature points in it and its surface.
 
         model = igatools.Model("part.h5")
@@ -29,16 +30,6 @@ class Model(iga_model.Model):
     def __init__(self, path):
         self.path = Path(path)
         super().__init__(self.path)
-
-    @property
-    def title(self):
-        """Title of the model: str."""
-        return self.attribute("/", "title")
-
-    @property
-    def length_unit(self):
-        """Label of the length unit, such as "mm", or "unspecified": str."""
-        return self.attribute("/", "length_unit")
 
     @cached_property
     def points(self):

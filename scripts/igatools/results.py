@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from igatools import iga_results, vtk_files
+from igatools.labels import Labels
 from igatools.model import Model
 from igatools.result_tables import result_tables
 from igatools.tables import write_tables
@@ -16,7 +17,7 @@ def von_mises(stress):
     return np.sqrt(0.5 * ((xx - yy)**2 + (yy - zz)**2 + (zz - xx)**2) + 3 * (xy**2 + yz**2 + zx**2))
 
 
-class Results(iga_results.Results):
+class Results(Labels, iga_results.Results):
     """Results of igasolve: modes, statics, or an explicit run.
 
         results = igatools.Results("modes.h5")
@@ -34,16 +35,6 @@ class Results(iga_results.Results):
     def __init__(self, path, model=None):
         super().__init__(path)
         self._given = model
-
-    @property
-    def title(self):
-        """Title of the model: str."""
-        return self.attribute("/", "title")
-
-    @property
-    def length_unit(self):
-        """Label of the length unit, such as "mm", or "unspecified": str."""
-        return self.attribute("/", "length_unit")
 
     @property
     def bodies(self):

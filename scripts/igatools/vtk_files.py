@@ -30,6 +30,13 @@ class File:
             self.array(values, name)
         self.text.append(f"</{heading}>")
 
+    def data_and_points(self, on_points, on_cells, points):
+        self.arrays("PointData", dict(on_points))
+        self.arrays("CellData", dict(on_cells))
+        self.text.append("<Points>")
+        self.array(np.asarray(points, float))
+        self.text.append("</Points>")
+
     def write(self, path, counts):
         order = "LittleEndian" if sys.byteorder == "little" else "BigEndian"
         head = (f'<?xml version="1.0"?>\n<VTKFile type="{self.kind}" version="1.0" byte_order="{order}" header_type="UInt64">\n'
@@ -44,11 +51,7 @@ class File:
 def write_surface(path, vertices, triangles, on_vertices=(), on_triangles=()):
     """A .vtp file: vertices (n, 3), triangles (m, 3), and arrays by name, (n) or (n, k) on vertices, (m) on triangles."""
     file = File("PolyData")
-    file.arrays("PointData", dict(on_vertices))
-    file.arrays("CellData", dict(on_triangles))
-    file.text.append("<Points>")
-    file.array(np.asarray(vertices, float))
-    file.text.append("</Points>")
+    file.data_and_points(on_vertices, on_triangles, vertices)
     file.arrays("Polys", {"connectivity": np.asarray(triangles, np.int64).ravel(),
                           "offsets": 3 * np.arange(1, len(triangles) + 1, dtype=np.int64)})
     file.write(path, f'NumberOfPoints="{len(vertices)}" NumberOfVerts="0" NumberOfLines="0" NumberOfStrips="0" '
@@ -59,11 +62,7 @@ def write_cells(path, kind, points, cells, on_points=(), on_cells=()):
     """A .vtu file of cells of one kind: points (n, 3), the points' numbers of each cell (m, k), arrays by name."""
     cells = np.asarray(cells, np.int64)
     file = File("UnstructuredGrid")
-    file.arrays("PointData", dict(on_points))
-    file.arrays("CellData", dict(on_cells))
-    file.text.append("<Points>")
-    file.array(np.asarray(points, float))
-    file.text.append("</Points>")
+    file.data_and_points(on_points, on_cells, points)
     file.arrays("Cells", {"connectivity": cells.ravel(), "offsets": cells.shape[1] * np.arange(1, len(cells) + 1, dtype=np.int64),
                           "types": np.full(len(cells), kind, np.uint8)})
     file.write(path, f'NumberOfPoints="{len(points)}" NumberOfCells="{len(cells)}"')
