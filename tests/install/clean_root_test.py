@@ -47,18 +47,18 @@ def main():
         skip("a Debian in a folder takes root's rights")
     if not shutil.which("debootstrap"):
         skip("debootstrap is missing; apt-get install debootstrap")
-    if not subprocess.run(["apt-get", "download", "--print-uris", "hello"], capture_output=True).returncode == 0:
-        skip("apt finds no packages")
+    if subprocess.run(["unshare", "--mount", "true"], capture_output=True).returncode != 0:
+        skip("this container may not mount /proc")
     shutil.rmtree(ROOT, ignore_errors=True)
     try:
         make_root()
-    except AssertionError as error:
+        in_root("apt-get", "update", "-qq")
+    except (AssertionError, subprocess.TimeoutExpired) as error:
         skip(f"no Debian can be made from {MIRROR}: {error}")
     for package in PACKAGES.glob("*.deb"):
         if not package.name.startswith("iga-trimmed-solids-dev"):
             shutil.copy(package, ROOT / "tmp")
     names = [f"/tmp/{path.name}" for path in (ROOT / "tmp").glob("*.deb")]
-    in_root("apt-get", "update", "-qq")
     in_root("apt-get", "install", "-y", "-qq", "--no-install-recommends", *names)
     print(in_root("bash", "-c", COMMANDS))
     in_root("apt-get", "remove", "-y", "-qq", "iga-trimmed-solids")
