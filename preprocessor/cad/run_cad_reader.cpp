@@ -87,9 +87,11 @@ std::optional<int> wait_for(pid_t reader, const std::function<bool()>& stop) {
 CadModel run_cad_reader(const fs::path& file, const CadOptions& options, const std::function<bool()>& stop) {
   const fs::path program = reader_program();
   if (!fs::exists(program))
-    throw InputError(fmt::format("{}: this igaprep was built without OpenCASCADE and reads no CAD files; install "
-                                 "libocct-data-exchange-dev and build again, or export the part as STL",
-                                 file.string()));
+    throw InputError(
+        fmt::format("{}: igaprep-cad, which reads CAD files, is not beside igaprep: it was built without OpenCASCADE, "
+                    "or the package is not installed; install iga-trimmed-solids-cad, or "
+                    "libocct-data-exchange-dev and build again, or export the part as STL",
+                    file.string()));
   const Exchange exchange;
   exchange.put(to_bytes(CadRequest{program_version(), file.string(), options}));
   std::string name = program.string(), number = std::to_string(exchange.file());

@@ -219,6 +219,23 @@ class Model:
         count, component = csgraph.connected_components(sparse.bmat([[None, seen], [seen.T, None]]), directed=False)
         return component[:len(functions)], count
 
+    def span_size(self):
+        """Size of the spans in the three directions of the grid: (3), length."""
+        patch = self.attributes["/patch"]
+        return (patch["B"] - patch["A"]) / self.spans
+
+    def parameters_of(self, x):
+        """Parameters (n, 3) of positions (n, 3): the grid's frame, turned about its centre."""
+        patch = self.attributes["/patch"]
+        centre = (patch["A"] + patch["B"]) / 2
+        return centre + (np.asarray(x, float) - centre) @ patch["rotation"]
+
+    def positions_of(self, u):
+        """Positions (n, 3) of parameters (n, 3): the inverse of parameters_of()."""
+        patch = self.attributes["/patch"]
+        centre = (patch["A"] + patch["B"]) / 2
+        return centre + (u - centre) @ patch["rotation"].T
+
     @staticmethod
     def split_numbers(numbers, extents):
         """Index triples (n, 3) of linear numbers (n) in a grid of `extents`, u fastest."""
@@ -235,10 +252,7 @@ class Model:
         if "/patch/control_points" in self.data:
             return self["/patch/control_points"][numbers]
         ijk = self.split_numbers(numbers.ravel(), self.functions)
-        u = self.greville_points(ijk)
-        patch = self.attributes["/patch"]
-        centre = (patch["A"] + patch["B"]) / 2
-        return (centre + (u - centre) @ patch["rotation"].T).reshape(*numbers.shape, 3)
+        return self.positions_of(self.greville_points(ijk)).reshape(*numbers.shape, 3)
 
     def shape_functions(self, group="/quadrature"):
         """Blocks (slice, functions (n, m), values (n, m)) of the m = product of (p + 1) functions that each of a group's
@@ -257,12 +271,14 @@ class Model:
         """Numbers (n, m) of the B-splines of spans (n, 3), in the order of functions_at() and of /cells/functions."""
         i, j, k = (spans[:, d, None] + np.arange(self.degree[d] + 1) for d in range(3))
         n_u, n_v, _ = self.functions
-        return (i[:, None, None, :] + n_u * (j[:, None, :, None] + n_v * k[:, :, None, None])).reshape(len(spans), -1)
+        return (i[:, None, None, :] + n_u * (j[:, None, :, None] + n_v * k[:, :, None, None])).reshape(
+            len(spans), np.prod(np.add(self.degree, 1)))
 
     @staticmethod
     def _products(factors):
         """Tensor products (n, m) of univariate factors in u, v, w; u runs fastest."""
-        return np.einsum("qc,qb,qa->qcba", factors[2], factors[1], factors[0]).reshape(len(factors[0]), -1)
+        return np.einsum("qc,qb,qa->qcba", factors[2], factors[1], factors[0]).reshape(
+            len(factors[0]), np.prod([factor.shape[1] for factor in factors]))
 
     def gradients_at(self, spans, parameters):
         """Gradients (n, m, 3) in space of the functions of functions_at(): those in the grid's frame, rotated."""

@@ -134,10 +134,22 @@ class Results:
     def field(self, model, coefficients, cells, parameters):
         """u = sum N_i c_i at parameters (n, 3) of given cells (n): coefficients (n_f, 3) of this file, of the functions of the
         model that it was made from. Vertices of the surface lie in the cells "/surface/vertex_cell"."""
-        if not np.array_equal(self["/functions/active"], model["/functions/number"]):
+        return self.field_of(model, self["/functions/active"], coefficients, cells, parameters)
+
+    def expect_model(self, model, active):
+        if not np.array_equal(active, model["/functions/number"]):
             raise ValueError(f"{self.path}: these are results of another model")
+
+    def field_of(self, model, active, coefficients, cells, parameters):
+        """The same for one of several bodies; `active`: numbers of its functions, as the results have them."""
+        self.expect_model(model, active)
         N = model.functions_at(model.cell_spans(cells), parameters)[1]
         return np.einsum("qi,qid->qd", N, coefficients[model["/cells/functions"][cells]])
+
+    def gradient_of(self, model, coefficients, cells, parameters):
+        """du_a / dx_b at parameters (n, 3) of cells (n): (n, 3, 3)."""
+        dN = model.gradients_at(model.cell_spans(cells), parameters)
+        return np.einsum("qib,qia->qab", dN, coefficients[model["/cells/functions"][cells]])
 
 
 def read(path):

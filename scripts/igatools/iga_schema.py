@@ -5,12 +5,14 @@ import json
 import operator
 import sys
 import tomllib
+from pathlib import Path
 
 import h5py
 
 from igatools import ROOT
 
-FOLDER = ROOT / "schema"
+# Where pip has installed the package, the schema is a part of it.
+FOLDER = next(folder for folder in (Path(__file__).parent / "schema", ROOT / "schema") if folder.is_dir())
 COMPRESS_ABOVE = 64 * 1024  # bytes
 
 

@@ -4,6 +4,7 @@ import sys
 import numpy as np
 
 from igatools import drawing, iga_model
+from igatools.locate import fan, patches
 
 GREY = (0.80, 0.82, 0.85)
 # Separate bodies: pale, so that cells stand out; the first is grey.
@@ -12,23 +13,6 @@ BODIES = [GREY, (0.70, 0.80, 0.90), (0.91, 0.83, 0.66), (0.76, 0.87, 0.72), (0.8
 CELLS = [(0.84, 0.26, 0.20), (0.14, 0.40, 0.72), (0.20, 0.60, 0.28), (0.93, 0.65, 0.10), (0.52, 0.28, 0.66), (0.10, 0.62, 0.66)]
 GAP_END = (0.96, 0.90, 0.45)
 MOST_BOXES = 4000  # outlines of split spans; more of them would be one dark stain
-
-
-def cut_to_span(polygon, low, high):
-    """What of a convex polygon (n, 3) lies in the box: (m, 3), m = 0 where nothing does."""
-    for axis in range(3):
-        for sign, bound in ((1, low[axis]), (-1, -high[axis])):
-            height = sign * polygon[:, axis] - bound
-            kept = []
-            for here, there, a, b in zip(polygon, np.roll(polygon, -1, 0), height, np.roll(height, -1)):
-                if a >= 0:
-                    kept.append(here)
-                if (a > 0 > b) or (a < 0 < b):
-                    kept.append(here + a / (a - b) * (there - here))
-            polygon = np.array(kept).reshape(-1, 3)
-            if len(polygon) < 3:
-                return np.zeros((0, 3))
-    return polygon
 
 
 def colour_numbers(model, split):
@@ -58,37 +42,9 @@ def colour_numbers(model, split):
     return colours
 
 
-def patches(model, vertices, split):
-    """Parts of the surface in spans that hold several cells: polygons (n, 3), and the cell of each.
-
-    In a span a triangle is one convex polygon, so it belongs to one cell: that of its surface points there.
-    """
-    group = "/surface/quadrature"
-    cells, triangles = model.point_cells(group), model[group + "/triangle"]
-    chosen = np.isin(model["/cells/span"][cells], split)
-    pairs = np.unique(np.stack([cells[chosen], triangles[chosen]], 1), axis=0)
-    A = model.attribute("/patch", "A")
-    h = (model.attribute("/patch", "B") - A) / model.spans
-    polygons, owners = [], []
-    for (cell, triangle), ijk in zip(pairs, model.cell_spans(pairs[:, 0])):
-        polygon = cut_to_span(vertices[model["/surface/triangles"][triangle]], A + ijk * h, A + (ijk + 1) * h)
-        if len(polygon):
-            polygons.append(polygon)
-            owners.append(cell)
-    return polygons, np.array(owners, int)
-
-
-def fan(polygons):
-    """Vertices and triangles of convex polygons."""
-    starts = np.cumsum([0] + [len(p) for p in polygons])
-    return np.concatenate(polygons), np.array([(s, s + k, s + k + 1) for s, p in zip(starts, polygons)
-                                               for k in range(1, len(p) - 1)])
-
-
 def outlines(model, split):
     """Edges of spans as segments (k, 2, 3), in the grid's frame."""
-    A = model.attribute("/patch", "A")
-    h = (model.attribute("/patch", "B") - A) / model.spans
+    A, h = model.attribute("/patch", "A"), model.span_size()
     edges = np.array([(a, b) for a in range(8) for b in range(a + 1, 8) if (a ^ b) in (1, 2, 4)])
     corner = np.array([[c >> d & 1 for d in range(3)] for c in range(8)])
     ijk = model.split_numbers(split, model.spans)

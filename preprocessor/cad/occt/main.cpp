@@ -12,6 +12,8 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <new>
+#include <string>
+#include <string_view>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/stat.h>
@@ -40,6 +42,24 @@ bool write_all(int file, const std::string& bytes) {
   return true;
 }
 
+const char* const help =
+    R"(Reads a CAD file for igaprep: igaprep starts this program beside it for STEP, IGES and BREP files, and nobody else needs to.
+Usage: igaprep-cad [OPTIONS] [number]
+
+Positionals:
+  number INT                  Number of the open file in which igaprep asks and is answered
+
+Options:
+  -h,--help                   Print this help message and exit
+  --version                   Display program version information and exit
+
+Examples:
+  igaprep part.step --list                               faces of a CAD file: names, types, areas, places
+  igaprep part.step --span-size 4                        a model of the part
+
+Exit codes: 0 done, 2 input, usage or file access, 3 too little memory.
+)";
+
 CadAnswer answer(const std::string& bytes) {
   CadAnswer out;
   out.version = iga::program_version();
@@ -59,6 +79,11 @@ CadAnswer answer(const std::string& bytes) {
 } // namespace
 
 int main(int argc, char** argv) {
+  const std::string_view word = argc == 2 ? argv[1] : "";
+  if (word == "-h" || word == "--help" || word == "--version") {
+    fmt::print("{}", word == "--version" ? fmt::format("igaprep-cad {}\n", iga::program_version()) : help);
+    return 0;
+  }
   if (argc != 2 || std::atoi(argv[1]) < 3) {
     std::fputs("igaprep-cad: error: this program reads CAD files for igaprep, which starts it; run igaprep FILE.step\n",
                stderr);

@@ -28,11 +28,12 @@ class Programs:
 
     @staticmethod
     def find():
-        """Beside the sources' builds, or on the PATH."""
+        """In the sources' builds, in the installation that this is a part of, or on the PATH."""
         for preset in ("release", "portable"):
             if (ROOT / "build" / preset / "bin" / "igaprep").exists():
                 return ROOT / "build" / preset / "bin"
-        for folder in os.environ.get("PATH", "").split(os.pathsep):
+        installed = [ROOT.parents[1] / "bin"] if ROOT.parent.name == "share" else []
+        for folder in (*installed, *os.environ.get("PATH", "").split(os.pathsep)):
             if (Path(folder) / "igaprep").exists():
                 return Path(folder)
         raise Failed("igaprep is neither built nor installed; run: cmake --preset release && cmake --build --preset release", 2)

@@ -1,0 +1,57 @@
+"""Tables of a results file: frequencies; reactions, loads, probes, points; series of explicit runs; surfaces with fields."""
+import numpy as np
+
+from igatools.iga_results import SCHEMA
+from igatools.tables import Table
+
+FIELD_NAMES = ("displacement", "strain", "stress", "von_mises")
+FORCES = ("area", "centroid", "force", "moment")
+SERIES = {"contact": ("force", "impulse", "normal_force", "friction_force", "depth", "area"),
+          "body": ("momentum", "angular_momentum", "impulse", "angular_impulse", "min_volume_ratio", "inverted", "eroded"),
+          "rigid": ("position", "rotation", "velocity", "force", "moment"),
+          "support": ("force",)}
+ENERGIES = ("internal", "kinetic", "contact", "friction", "damping", "external", "eroded")
+
+
+def added(table, group, names):
+    for name in names:
+        table.add(f"{group}/{name}")
+    return table
+
+
+def result_tables(results):
+    def of(name):
+        return Table(name, results, SCHEMA)
+
+    if results.analysis == "eigen":
+        yield (of("frequencies").plain("mode", np.arange(1, len(results.frequencies) + 1)).add("/frequencies", "frequency")
+               .add("/eigen/omega_squared").plain("kind", [kind.lower() for kind in results.kinds()]).add("/eigen/residual"))
+    elif results.analysis == "static":
+        yield added(of("reactions"), "/static/supports", ("name", "method", *FORCES))
+        yield added(of("loads"), "/static/loads", ("name", "kind", *FORCES))
+        yield added(of("probes"), "/static/probes", ("name", "position", *FIELD_NAMES))
+        yield added(of("points"), "/static/points", ("position", *FIELD_NAMES))
+    else:
+        yield from series_tables(results, of)
+    if "/surface" in results:
+        yield surface_table(results, of("surface"))
+
+
+def series_tables(results, of):
+    yield added(added(of("energy"), "/time_series", ("time", "dt", "energy_error")), "/time_series/energy", ENERGIES)
+    for kind, columns in SERIES.items():
+        if f"/time_series/{kind}_names" in results.data:
+            for name in results.texts(f"/time_series/{kind}_names"):
+                yield added(of(f"{kind}_{name}").add("/time_series/time"), f"/time_series/{kind}/{name}", columns)
+
+
+def surface_table(results, table):
+    """All steps, one below the other."""
+    vertices, steps = results["/surface/vertices"], results["/surface/steps"]
+    n = len(vertices)
+    table.plain("step", np.repeat(steps, n)).plain("vertex", np.tile(np.arange(n), len(steps)))
+    for axis, column in zip("xyz", vertices.T):
+        table.numbers(axis, "length", np.tile(column, len(steps)))
+    for name in FIELD_NAMES:
+        table.add(f"/surface/{name}")
+    return table
