@@ -22,7 +22,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import error_parts  # noqa: E402
 from igatools import ROOT, iga_model, iga_results  # noqa: E402
-from igatools.driver import estimate  # noqa: E402
+from igatools.driver import estimate, singular  # noqa: E402
 from igatools.measured_run import RunError, report  # noqa: E402
 
 MATERIAL = ["--E", 210, "--nu", 0.3, "--rho", 7.85e-6]
@@ -74,7 +74,9 @@ class PartStudy:
             if grid["unknowns"] > self.o.most_unknowns:
                 break
             size /= REFINEMENT
-        order = estimate.reliable_order(2, grids[0]["file"]["/surface/vertices"], grids[0]["file"]["/surface/triangles"])
+        surface = grids[0]["file"]
+        edges = singular.reentrant_edges(surface["/surface/vertices"], surface["/surface/triangles"])
+        order = estimate.reliable_order(2, len(edges) > 0)
         # Where edges are sharp and re-entrant the degree does not help: a finer grid does.
         reference = self.solve(grids[-1]["size"] / 1.25, 3, "--moment-degree", 4) if order > 2 else \
             self.solve(grids[-1]["size"] / 2, 2, "--moment-degree", 4)

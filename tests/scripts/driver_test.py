@@ -117,6 +117,11 @@ class Pairing(unittest.TestCase):
         self.assertEqual(partner.tolist(), list(range(6)))
         self.assertGreater(agreement.min(), 0.99)
 
+    def test_neighbours_that_change_places(self):
+        frequencies = np.array([10, 11, 12, 12.1, 14, 15])
+        partner, _ = estimate.pair_modes(frequencies, self.shapes, frequencies, self.shapes[[0, 1, 3, 2, 4, 5]], self.weights)
+        self.assertEqual(partner.tolist(), [0, 1, 3, 2, 4, 5])
+
     def test_a_new_mode_has_no_partner(self):
         frequencies = np.arange(5) + 10.0
         coarse, fine = self.shapes[[0, 1, 2, 3, 5]], self.shapes[[0, 1, 4, 2, 3]]
@@ -134,8 +139,13 @@ class Quantities(unittest.TestCase):
     def test_the_larger_of_two_estimates_counts(self):
         values = sequence(1.0, grids=3)[1]
         own = self.told(values)["error"]
-        self.assertEqual(self.told(values, from_solution=own / 2)["error"], own)
-        self.assertEqual(self.told(values, from_solution=2 * own)["error"], 2 * own)
+        safety = estimate.REENTRANT_SOLUTION_SAFETY
+        self.assertEqual(self.told(values, from_solution=own / 2 / safety)["error"], own)
+        self.assertAlmostEqual(self.told(values, from_solution=2 * own / safety)["error"], 2 * own)
+
+    def test_an_estimate_of_one_solution_alone_counts_double(self):
+        self.assertAlmostEqual(estimate.error_of([1.0], [1.0], 1.0, 0.01).error, 0.01 * estimate.REENTRANT_SOLUTION_SAFETY * estimate.ALONE)
+        self.assertAlmostEqual(estimate.error_of([1.0], [1.0], 3.0, 0.01).error, 0.01 * estimate.SOLUTION_SAFETY * estimate.ALONE)
 
     def test_no_limit(self):
         entry = self.told([1.0, 1.3, 1.7], no_limit="why", kind="stress")

@@ -13,7 +13,10 @@ REENTRANT_ORDER = 1.09  # of energies where the solid has sharp re-entrant edges
 TWO_GRIDS_ORDER = 1.5   # at most, where only two grids are known
 STRESS_ORDER = 1.0
 SAFETY = 1.25           # on errors from three grids and more (Roache 1994)
+SOLUTION_SAFETY, REENTRANT_SOLUTION_SAFETY = 1.5, 2.0  # on errors that the solution itself tells
+ALONE = 2.0             # on these, where no other grid bears them out
 SAME_MODE = 0.6         # least agreement of shapes of one and the same mode
+WHOLE = 0.9             # agreement of the shapes of two modes that are one, whatever their neighbours
 CLUSTER = 0.02          # modes so near in frequency may mix from one grid to the next
 
 
@@ -69,11 +72,19 @@ def stress_order(degree, is_singular):
 
 def error_of(sizes, values, order, from_solution=None):
     """The error of a quantity on the finest grid: what its values on all grids tell and, where there is one, the estimate from the
-    finest solution itself (relative); the larger of the two counts. All commands form their errors here."""
+    finest solution itself (relative, from what it leaves of the equations), with its safety; the larger of the two counts. All
+    commands form their errors here."""
     told = relative_error(sizes, values, order)
-    if told.error is not None and from_solution is not None:
-        told.error = max(told.error, from_solution)
+    if from_solution is not None:
+        safe = solution_safety(order) * from_solution
+        told.error = ALONE * safe if told.error is None else max(told.error, safe)
     return told
+
+
+def solution_safety(order):
+    """What the solution's own estimate is multiplied by, for the error that its correction leaves (scripts/studies/error_study.py):
+    where edges are sharp and re-entrant it sees a share of the error only."""
+    return SOLUTION_SAFETY if order > REENTRANT_ORDER else REENTRANT_SOLUTION_SAFETY
 
 
 def observed_order(sizes, changes):
@@ -110,12 +121,12 @@ def pair_modes(coarse_frequencies, coarse, fine_frequencies, fine, weights):
     for k in range(fine_cluster[-1] + 1):
         own = fine_cluster == k
         shared[:, own] = np.maximum(shared[:, own], span_share(fine[own], coarse, weights)[:, None])
-    # Shape decides: first that of the cluster, then the mode's own, so that modes of one cluster that change places are
-    # told apart; of equal shapes the order of frequencies.
+    # Shape decides: first that of the cluster, then the mode's own where it is found again nearly whole, so that modes of one
+    # cluster that change places are told apart; else the order of frequencies.
     n, m = shared.shape
     order = np.abs(np.arange(n)[:, None] - np.arange(m)[None, :])
     own = np.array([span_share(shape[None], fine, weights) for shape in coarse])
-    rows, columns = linear_sum_assignment(1 - shared + 1e-2 * (1 - own) + 1e-3 * order / max(n, m))
+    rows, columns = linear_sum_assignment(1 - shared - 1e-2 * (own > WHOLE) + 1e-3 * order / max(n, m))
     partner, agreement = np.full(m, -1), np.zeros(m)
     for row, column in zip(rows, columns):
         agreement[column] = shared[row, column]

@@ -9,6 +9,7 @@ from igatools.driver import part, run_file, singular
 from igatools.driver.output_files import OutputFiles
 from igatools.driver.programs import RunError, Failed, free_memory_gib
 
+FEWEST = 2            # grids: no number counts that a second one does not bear out
 REFINEMENT = 1.5      # span size over that of the next grid
 MEMORY_SHARE = 0.8    # of what is free
 HARD_LIMIT = 1.5      # of --max-time: a grid that was expected to fit in is stopped there; the first one always ends
@@ -222,8 +223,10 @@ class GridRun:
         return None if not errors or None in errors else max(errors)
 
     def is_good_enough(self):
+        if len(self.grids) < FEWEST:
+            return False
         if self.options.tolerance is None:
-            return len(self.grids) >= 2
+            return True
         worst = self.worst()
         return worst is not None and worst <= self.options.tolerance
 

@@ -1,4 +1,7 @@
-"""Vibration modes on finer and finer grids, until the estimated errors of their frequencies are below the tolerance."""
+"""Vibration modes on finer and finer grids, until the estimated errors of their frequencies are below the tolerance.
+
+A frequency that is computed lies above that of the solid in its facets. What the mode leaves of the equations tells by how much
+(igasolve eigen): the frequency given is the computed one less that, and its error what the correction may leave."""
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,11 +15,13 @@ SPARE_MODES = 4       # beyond those asked for: modes may change places between 
 
 @dataclass
 class Mode:
-    frequency: float
-    error: float | None
+    frequency: float         # less its estimated error where the solution tells one
+    computed: float          # on the finest grid
+    error: float | None      # of `frequency`, relative
     order: float | None
     agreement: float | None  # with the mode of the grid before, 0 ... 1
     history: list = field(default_factory=list)  # frequencies on all grids on which it was recognised
+    computed_history: list = field(default_factory=list)
 
 
 def vertex_weights(model):
@@ -52,7 +57,9 @@ class ModesRun(GridRun):
         elastic = results.elastic()[:self.options.modes + SPARE_MODES]
         shapes = np.array([results.field(model, results["/modes"][mode], model["/surface/vertex_cell"],
                                          model["/surface/vertex_parameters"]) for mode in elastic])
-        grid.found = {"frequencies": results["/frequencies"][elastic], "shapes": shapes, "weights": vertex_weights(model)}
+        computed = results["/frequencies"][elastic]
+        own = np.array(grid.report["error_estimate"])[elastic] if "error_estimate" in grid.report else None
+        grid.found = {"frequencies": computed, "own_errors": own, "shapes": shapes, "weights": vertex_weights(model)}
 
     def estimate(self):
         """Modes of the finest grid with their histories and errors."""
@@ -70,10 +77,15 @@ class ModesRun(GridRun):
                     chain.append(partner[chain[-1]])
         self.modes = []
         for m, chain in enumerate(chains[:self.options.modes]):
-            values = [float(grids[-1 - k].found["frequencies"][number]) for k, number in enumerate(chain)][::-1]
-            sizes = [grid.span_size for grid in grids[len(grids) - len(chain):]]
-            told = estimate.error_of(sizes, values, self.order)
-            self.modes.append(Mode(values[-1], told.error, told.order, None if np.isnan(agreement[m]) else float(agreement[m]), values))
+            along = list(zip(grids[len(grids) - len(chain):], reversed(chain)))  # grids with the mode's numbers, coarse to fine
+            sizes = [grid.span_size for grid, _ in along]
+            computed = [float(grid.found["frequencies"][number]) for grid, number in along]
+            own = grids[-1].found["own_errors"]
+            values = computed if own is None else [value * (1 - float(grid.found["own_errors"][number]))
+                                                   for value, (grid, number) in zip(computed, along)]
+            told = estimate.error_of(sizes, values, self.order, None if own is None else float(own[m]))
+            self.modes.append(Mode(values[-1], computed[-1], told.error, told.order,
+                                   None if np.isnan(agreement[m]) else float(agreement[m]), values, computed))
 
     def errors(self):
         return [mode.error for mode in self.modes]
@@ -85,6 +97,7 @@ class ModesRun(GridRun):
         report = self.grids[-1].report
         return {
             "frequencies": [mode.frequency for mode in self.modes], "errors": self.errors(),
+            "computed": [mode.computed for mode in self.modes], "computed_histories": [mode.computed_history for mode in self.modes],
             "orders": [mode.order for mode in self.modes], "agreements": [mode.agreement for mode in self.modes],
             "histories": [mode.history for mode in self.modes], "rigid_modes": report["rigid_modes"],
             "complete": bool(report.get("sturm")) and report["sturm"]["expected"] == report["sturm"]["found"]}

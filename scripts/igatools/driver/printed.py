@@ -37,11 +37,14 @@ def tail(report):
 def modes(report):
     lines = [f"modes        {report['rigid_modes']} rigid, {len(report['frequencies'])} elastic"
              + (", none missing (Sturm count)" if report["complete"] else ""), "",
-             f"{'mode':>6}  {'frequency':>14}  {'error':>9}  {'order':>6}  {'shape':>6}"]
-    for number, (f, e, q, a) in enumerate(zip(report["frequencies"], report["errors"], report["orders"], report["agreements"])):
-        lines.append(f"{number + 1 + report['rigid_modes']:>6}  {f:>14.6g}  {percent(e):>9}  {'' if q is None else f'{q:.1f}':>6}  "
-                     f"{'' if a is None else f'{a:.2f}':>6}".rstrip())
-    return lines + ["", *about_errors(report, "the frequency"),
+             f"{'mode':>6}  {'frequency':>14}  {'error':>9}  {'computed':>14}  {'order':>6}  {'shape':>6}"]
+    columns = zip(report["frequencies"], report["errors"], report["computed"], report["orders"], report["agreements"])
+    for number, (f, e, computed, q, a) in enumerate(columns):
+        lines.append(f"{number + 1 + report['rigid_modes']:>6}  {f:>14.6g}  {percent(e):>9}  {computed:>14.6g}  "
+                     f"{'' if q is None else f'{q:.1f}':>6}  {'' if a is None else f'{a:.2f}':>6}".rstrip())
+    about = wrapped("computed", "on the finest grid, as a rule too high; the frequency given is that less its error as the mode itself "
+                                "tells it, by what it leaves of the equations")
+    return lines + ["", *about_errors(report, "the frequency"), *about,
                     "order   as observed; shape: how much of the mode is that of the grid before"]
 
 
@@ -62,9 +65,14 @@ def quantities(report):
 def about_errors(report, what):
     order = report["order_relied_on"]
     why = " (sharp re-entrant edges, or ends of supports)" if report["command"] in ("modes", "static") and order <= REENTRANT_ORDER else ""
-    words = (f"estimated distance from the limit of smaller and smaller spans, relative: from how {what} changes from grid to grid, with "
-             f"order {order:.3g} relied on at most{why}. Not in it: facets instead of the exact part, the material, the supports.")
-    return textwrap.wrap(words, WIDTH, initial_indent="error   ", subsequent_indent="        ")
+    solution = ", and from what the solution leaves of the equations; the larger counts" if report["command"] in ("modes", "static") else ""
+    return wrapped("error", f"estimated distance from the limit of smaller and smaller spans, relative: from how {what} changes from grid "
+                            f"to grid, with order {order:.3g} relied on at most{why}{solution}. Not in it: facets instead of the exact "
+                            "part, the material, the supports.")
+
+
+def wrapped(word, text):
+    return textwrap.wrap(text, WIDTH, initial_indent=f"{word:<7} ", subsequent_indent="        ")
 
 
 def text(report):

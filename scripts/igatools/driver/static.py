@@ -50,7 +50,7 @@ class StaticRun(GridRun):
         size = np.linalg.norm(displacement, axis=1)
         mises = results["/surface/von_mises"][0]
         found = [Quantity("strain energy", unit("energy"), statics["strain_energy"], estimate.reliable_order(*order),
-                          no_limit=concentrated),
+                          no_limit=concentrated, from_solution=statics.get("error_estimate", {}).get("strain_energy")),
                  Quantity("largest displacement", unit("length"), float(size.max()), estimate.largest_order(*order),
                           kind="displacement", no_limit=concentrated, note=f"at {place(surface[size.argmax()])}"),
                  Quantity("largest von Mises", unit("stress"), float(mises.max()), estimate.stress_order(*order), kind="stress",

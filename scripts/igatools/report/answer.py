@@ -14,7 +14,8 @@ def html(report):
             f"<h3>What was asked, and what it took</h3>{asked(report)}")
 
 
-MODE_COLUMNS = ("Interval: frequency less and plus the estimated error. Observed order: how fast the changes between the last "
+MODE_COLUMNS = ("Computed: on the finest grid, as a rule too high; the frequency is that less its error as the mode itself tells "
+                "it, by what it leaves of the equations. Interval: frequency less and plus the estimated error. Observed order: how fast the changes between the last "
                 "three grids fell; it is only shown, the estimate does not use it. Same shape: how much of the mode is in the "
                 "shapes of the grid before.")
 
@@ -39,11 +40,14 @@ def modes(report):
     widest = widest_of(errors, tolerance)
     rigid = report.get("rigid_modes") or 0
     rows = []
-    for k, (f, e, q, a) in enumerate(zip(report["frequencies"], errors, report["orders"], report["agreements"])):
-        rows.append([str(rigid + k + 1), number(f), plus_minus(e), interval(f, e), error_bar(e, tolerance, widest),
+    columns = zip(report["frequencies"], errors, report.get("computed") or report["frequencies"], report["orders"],
+                  report["agreements"])
+    for k, (f, e, computed, q, a) in enumerate(columns):
+        rows.append([str(rigid + k + 1), number(f), plus_minus(e), interval(f, e), error_bar(e, tolerance, widest), number(computed),
                      "" if q is None else f"{q:.1f}", "" if a is None else f"{100 * a:.0f} %"])
     headings = ["Mode", units.headed("Frequency", unit), "Estimated error", units.headed("Interval", unit),
-                bar_heading(widest, tolerance), "Observed order", "Same shape as on the grid before"]
+                bar_heading(widest, tolerance), units.headed("Computed", unit), "Observed order",
+                "Same shape as on the grid before"]
     return tables.table("Elastic modes with their estimated errors", headings, rows)
 
 

@@ -70,6 +70,8 @@ def explanation(report):
     relied = f", relying on convergence of order {order:.3g}" if order else ""
     is_singular = order and order < 2 and report.get("command") in ("modes", "static")
     reason = " (sharp re-entrant edges or supports make it low)" if is_singular else ""
+    solution = ", and from what the solution leaves of the equations; the larger counts" if \
+        report.get("command") in ("modes", "static") else ""
     return (f"The error is the estimated distance from the limit of smaller and smaller spans, told from how the numbers change "
-            f"from grid to grid{relied}{reason}. It does not cover what the material data, the supports, the loads and the flat "
+            f"from grid to grid{relied}{reason}{solution}. It does not cover what the material data, the supports, the loads and the flat "
             "facets of the surface leave open.")
