@@ -91,6 +91,7 @@ QuadratureInfo read_quadrature_info(const H5Reader& file) {
   QuadratureInfo q;
   q.interior_rule = file.text(group, "interior_rule");
   q.trimmed_rule = file.text(group, "trimmed_rule");
+  if (file.has_attribute(group, "surface_rule")) q.surface_rule = file.text(group, "surface_rule");
   const auto moment_degree = file.numbers<std::int32_t>(group, "moment_degree", {3});
   q.moment_degree = {moment_degree[0], moment_degree[1], moment_degree[2]};
   q.tolerance = file.number<double>(group, "tolerance");

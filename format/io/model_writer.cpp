@@ -54,6 +54,7 @@ void write_quadrature(H5Writer& file, const TrimmedModel& m) {
   file.group(group, "quadrature of the solid: points inside it with positive weights");
   file.attribute(group, "interior_rule", q.interior_rule);
   file.attribute(group, "trimmed_rule", q.trimmed_rule);
+  file.attribute(group, "surface_rule", q.surface_rule);
   file.attribute<std::int32_t>(group, "moment_degree", {3}, moment_degree);
   file.attribute(group, "tolerance", q.tolerance);
   file.attribute(group, "max_residual", q.max_residual);

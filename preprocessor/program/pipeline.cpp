@@ -113,10 +113,15 @@ void append(std::vector<std::string>& to, const std::vector<std::string>& from) 
   to.insert(to.end(), from.begin(), from.end());
 }
 
+SurfaceRule surface_rule_of(const Settings& s) {
+  return s.quadrature.surface_rule == "centroid" ? SurfaceRule::Centroid : SurfaceRule::Exact;
+}
+
 QuadratureInfo quadrature_info(const Settings& s, const Trimming& trimming, double part_volume, double max_residual) {
   QuadratureInfo info;
   info.interior_rule = s.quadrature.interior_rule;
   info.trimmed_rule = s.quadrature.trimmed_rule;
+  info.surface_rule = s.quadrature.surface_rule;
   info.moment_degree = s.quadrature.moment_degree;
   info.tolerance = s.quadrature.tolerance;
   info.max_residual = max_residual;
@@ -263,7 +268,7 @@ PrepReport make_model(const Settings& s, const RunInfo& run, const PreparedSurfa
   model.functions.mass_fraction =
       stages.run("functions", [&] { return mass_fractions(model.grid, trimming, cells, model.points); });
   model.surface =
-      stages.run("surface points", [&] { return make_embedded_surface(model.grid, surface.mesh, trimming); });
+      stages.run("surface points", [&] { return make_embedded_surface(model.grid, surface.mesh, trimming, surface_rule_of(s)); });
   trimming.pieces = {};
   model.surface.accepted_leak = leaks ? std::max(trimming.worst_leak, volume_tolerance) : 0;
   model.surface.bodies = surface.bodies;

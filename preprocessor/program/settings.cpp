@@ -150,6 +150,7 @@ QuadratureOptions quadrature_options(const TypedSettings& typed, const std::arra
   // With more moments the reduction takes longer than most analyses: there it is asked for where points cost most.
   const auto& q = quadrature.moment_degree;
   quadrature.trimmed_rule = typed.trimmed.value_or(*std::max_element(q.begin(), q.end()) <= 2 ? "minimal" : "nnls");
+  quadrature.surface_rule = typed.surface_rule.value_or("exact");
   quadrature.tolerance = typed.tolerance.value_or(quadrature.tolerance);
   // Below the lower bound lies rounding; above the upper one the masses of a model would be visibly off.
   require(quadrature.tolerance >= 1e-14 && quadrature.tolerance <= 1e-4, "tolerance", quadrature.tolerance,

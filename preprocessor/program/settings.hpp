@@ -34,7 +34,7 @@ struct TypedSettings {
   std::optional<bool> optimise_offset;
   std::optional<double> sliver_tolerance, min_fraction;
   std::optional<std::string> gap_ends; ///< "split" or "glued"
-  std::optional<std::string> interior, trimmed;
+  std::optional<std::string> interior, trimmed, surface_rule;
   std::optional<std::variant<std::string, std::vector<std::int64_t>>> moment_degree; ///< "p", "2p", 1 or 3 numbers
   std::optional<double> tolerance;
   std::optional<bool> rank_bound;

@@ -187,6 +187,10 @@ template <class Visit> void each_setting(Visit&& visit) {
                            [](C& c, const S& s) { c.line("trimmed", s.quadrature.trimmed_rule); }, "RULE",
                            "Rule of trimmed spans: nnls, or minimal: points taken out and moved [minimal up to moment "
                            "degree 2, above it nnls]"});
+  visit(Setting<std::string>{"quadrature", "surface_rule", &T::surface_rule,
+                             [](C& c, const S& s) { c.line("surface_rule", s.quadrature.surface_rule); }, "RULE",
+                             "Points on the surface: exact, or centroid: one for each piece of a facet, which igasolve "
+                             "makes exact where supports and loads act [exact]"});
   visit(Setting<WordOrIntegers>{"quadrature", "moment_degree", &T::moment_degree,
                                 [](C& c, const S& s) { c.list("moment_degree", s.quadrature.moment_degree); },
                                 "Q [Q Q]", "Moments kept on trimmed spans: p, 2p or numbers [p]", one_or_three});

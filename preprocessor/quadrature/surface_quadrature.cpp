@@ -43,11 +43,12 @@ Facet make_facet(const SplineGrid& grid, const TriangleMesh& mesh, std::int32_t 
   return f;
 }
 
-/// Rules for the parts that a piece is cut into, all exact to the same total degree.
+/// Rules for the parts that a piece is cut into, all exact to the same total degree; none for one point a piece.
 struct PieceRules {
   std::span<const TrianglePoint> triangle;
   const LineRule* line; ///< both ways over a quadrilateral: the bilinear map's Jacobian adds one degree
 
+  PieceRules() : line(nullptr) {}
   explicit PieceRules(int degree) : triangle(triangle_rule(degree)), line(&gauss_legendre((degree + 3) / 2)) {}
 };
 
@@ -97,12 +98,30 @@ void for_each_quadrilateral_point(std::span<const Point3> polygon, const PieceAr
     }
 }
 
+template <class Use> void for_centroid(std::span<const Point3> polygon, const PieceAreas& areas, Use&& use) {
+  Point3 moment{};
+  double area = 0;
+  for (std::size_t a = 1; a + 1 < polygon.size(); ++a) {
+    const double part = areas.triangle(0, a, a + 1);
+    if (!areas.counts(part)) continue;
+    area += part;
+    for (std::size_t d = 0; d < 3; ++d)
+      moment[d] += part * ((polygon[a][d] - polygon[0][d]) + (polygon[a + 1][d] - polygon[0][d])) / 3;
+  }
+  if (!(area > 0)) return;
+  // Relative to the first corner: in a grid plane the centroid lies exactly in that plane.
+  Point3 centroid = polygon[0];
+  for (std::size_t d = 0; d < 3; ++d) centroid[d] += moment[d] / area;
+  use(centroid, area);
+}
+
 /// Calls use(xi, weight) for the points of a piece: its fan taken two triangles at a time (a quadrilateral needs fewer
 /// points than two triangles), a single one where the number is odd or a neighbour has no area.
 template <class Use>
 void for_each_point(std::span<const Point3> polygon, const Facet& facet, const Point3& h, const PieceRules& rules,
                     Use&& use) {
   const PieceAreas areas(polygon, facet, h);
+  if (!rules.line) return for_centroid(polygon, areas, use);
   for (std::size_t a = 1; a + 1 < polygon.size(); ++a) {
     const double area = areas.triangle(0, a, a + 1);
     if (!areas.counts(area)) continue;
@@ -148,10 +167,11 @@ void fill_piece(const SpanOwner& owner, std::int64_t cell, const PieceRules& rul
 }
 
 SurfacePoints make_points(const SplineGrid& grid, const TriangleMesh& mesh, const Trimming& trimming,
-                          const SpanOwner& owner) {
+                          const SpanOwner& owner, SurfaceRule rule) {
   const SurfacePieces& pieces = trimming.pieces;
   const auto degree = grid.degree();
-  const PieceRules rules(3 * *std::max_element(degree.begin(), degree.end()));
+  const PieceRules rules =
+      rule == SurfaceRule::Exact ? PieceRules(3 * *std::max_element(degree.begin(), degree.end())) : PieceRules();
   const Point3 h = grid.span_size();
   const auto num_pieces = static_cast<std::size_t>(pieces.num_pieces());
   const tbb::blocked_range<std::size_t> all(0, num_pieces, pieces_per_task);
@@ -210,14 +230,15 @@ std::vector<Point3> vertex_normals(const SplineGrid& grid, const TriangleMesh& m
 
 } // namespace
 
-EmbeddedSurface make_embedded_surface(const SplineGrid& grid, const TriangleMesh& mesh, const Trimming& trimming) {
+EmbeddedSurface make_embedded_surface(const SplineGrid& grid, const TriangleMesh& mesh, const Trimming& trimming,
+                                      SurfaceRule rule) {
   if (trimming.active.empty())
     throw InputError("no span of the grid holds material: the part is thinner than the sliver tolerance everywhere, or "
                      "every span was dropped by the smallest fraction; use smaller spans or a smaller --min-fraction");
   const SpanOwner owner(grid, trimming);
   EmbeddedSurface out;
   out.mesh = mesh;
-  out.quadrature = make_points(grid, mesh, trimming, owner);
+  out.quadrature = make_points(grid, mesh, trimming, owner, rule);
 
   const std::vector<Point3> xi = to_span_units(grid, mesh);
   const std::vector<Point3> normals = vertex_normals(grid, mesh);

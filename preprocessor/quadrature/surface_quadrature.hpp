@@ -6,7 +6,12 @@
 
 namespace iga::prep {
 
-/// Points exact to total degree 3 max(p) on every piece of the surface, positive weights; every piece and every vertex
+enum class SurfaceRule {
+  Exact,    ///< to total degree 3 max(p) on every piece of the surface
+  Centroid, ///< one point a piece, exact to degree 1: what areas, normals and volumes need
+};
+
+/// Points exact for the rule's degree on every piece of the surface, positive weights; every piece and every vertex
 /// is owned by a cell: one in a grid plane goes to the neighbour on the material side, one of a piece left out or of a
 /// snapped or dropped span to the nearest cell that is reached through the solid, its parameters moved into that cell's
 /// closed span. Σ weights per region = area of the region to
@@ -18,6 +23,7 @@ namespace iga::prep {
 /// tolerance · largest span size · area of the surface in snapped spans (plus the same with the larger shift for
 /// dropped spans).
 /// @throws InputError where no span is active
-EmbeddedSurface make_embedded_surface(const SplineGrid& grid, const TriangleMesh& mesh, const Trimming& trimming);
+EmbeddedSurface make_embedded_surface(const SplineGrid& grid, const TriangleMesh& mesh, const Trimming& trimming,
+                                      SurfaceRule rule = SurfaceRule::Exact);
 
 } // namespace iga::prep

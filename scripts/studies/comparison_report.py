@@ -5,7 +5,9 @@ import math
 
 MARKS = {"C3D4": ("4-node tetrahedra", "C3", "^"), "C3D10": ("10-node tetrahedra", "C0", "s"),
          "p1": ("splines p = 1", "C4", "v"), "p2": ("splines p = 2", "C1", "o"), "p3": ("splines p = 3", "C2", "D"),
-         "p4": ("splines p = 4", "C5", "P")}
+         "p4": ("splines p = 4", "C5", "P"), "p2c": ("p = 2, corrected", "C6", "*"), "p3c": ("p = 3, corrected", "C7", "X"),
+         "p4c": ("p = 4, corrected", "C8", "h")}
+TO_ERRORS = (0.01, 0.003, 0.001)
 RATES = (0.5, 8.0)  # convergence rates in the mesh size that an extrapolation believes
 
 
@@ -82,6 +84,20 @@ def speed_lines(results, reference):
     return lines
 
 
+def time_lines(results, reference):
+    """Times from the STL to the frequencies at mean errors, by method, and 10-node tetrahedra's over them, as text lines."""
+    lines = []
+    for error in TO_ERRORS:
+        times = {method: time_at_error([run for run in results if run["method"] == method and run is not reference], error, "total_cpu_s")
+                 for method in MARKS}
+        tets = times["C3D10"]
+        found = [f"{method} {seconds:.2f} s" + (f" ({tets / seconds:.1f} times faster)" if tets and method != "C3D10" else "")
+                 for method, seconds in times.items() if seconds is not None and method != "C3D4"]
+        if found:
+            lines.append(f"{100 * error:5.2g} %   " + ", ".join(found))
+    return lines
+
+
 def tables(results, reference, extrapolated):
     """Text of all tables."""
     count = len(reference["frequencies"])
@@ -103,6 +119,9 @@ def tables(results, reference, extrapolated):
     for run in results:
         lines.append(f"{run['method']:6} {run['size']:>5}" + "".join(f" {100 * e:9.3f}" for e in run["errors"]))
     speed = speed_lines(results, reference)
+    to_error = time_lines(results, reference)
+    if to_error:
+        lines += ["", "CPU seconds to a mean error, meshing or trimming included (interpolated)", *to_error]
     if speed:
         lines += ["", "CPU seconds at the same mean error (the run at the left measured, the other side interpolated)", *speed]
     return "\n".join(lines) + "\n"

@@ -182,6 +182,7 @@ SurfaceRegion choose_region(const TrimmedModel& model, const RegionChoice& choic
   std::optional<SurfacePatch> patch;
   if (choice.patch) patch.emplace(model, *choice.patch, what);
   SurfaceRegion region;
+  const bool is_exact = model.quadrature.surface_rule == "exact"; // else every triangle gets points of its own
   for (std::size_t t = 0; t < whole.size(); ++t) {
     const Point3 normal = normal_of(mesh, t);
     const CutTriangle cut = chooser.choose(t, normal);
@@ -189,7 +190,7 @@ SurfaceRegion choose_region(const TrimmedModel& model, const RegionChoice& choic
     const auto parts = chosen_parts(patch, cut, normal);
     if (parts.empty()) continue;
     region.triangles.push_back(static_cast<std::int64_t>(t));
-    whole[t] = cut.part == CutTriangle::Part::Whole && (!patch || is_all(parts, cut.polygon));
+    whole[t] = is_exact && cut.part == CutTriangle::Part::Whole && (!patch || is_all(parts, cut.polygon));
     if (whole[t]) continue;
     added.clear();
     for (const ConvexPolygon& part : parts) add_polygon_points(model, surface, t, part, added);

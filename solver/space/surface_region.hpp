@@ -48,8 +48,8 @@ struct RegionReport {
   std::string warning = {};        ///< what may make the choice another one than was meant
 };
 
-/// Quadrature points of a choice, cell by cell. Triangles that lie in it as a whole bring the model's own points; those
-/// that a box or a plane cuts get new ones on what is left of them: area and centroid are exact. A corner that lies
+/// Quadrature points of a choice, cell by cell. Triangles that lie in it as a whole bring the model's own points where
+/// these are exact for products of functions; those that a box or a plane cuts get new ones on what is left of them: area and centroid are exact. A corner that lies
 /// within the model's surface_depth of a plane counts as lying in it.
 struct SurfaceRegion {
   RegionReport report;

@@ -70,9 +70,10 @@ double expect_sound(const SplineGrid& grid, const TriangleMesh& mesh, const Trim
   return (sums.flux - 3 * volume) / (3 * volume);
 }
 
-double run(const SplineGrid& grid, const TriangleMesh& mesh, const TrimOptions& options = {}) {
+double run(const SplineGrid& grid, const TriangleMesh& mesh, const TrimOptions& options = {},
+           SurfaceRule rule = SurfaceRule::Exact) {
   const Trimming trimming = trim(grid, mesh, options);
-  return expect_sound(grid, mesh, trimming, make_embedded_surface(grid, mesh, trimming));
+  return expect_sound(grid, mesh, trimming, make_embedded_surface(grid, mesh, trimming, rule));
 }
 
 class SurfaceQuadrature : public testing::TestWithParam<int> {};
@@ -83,6 +84,18 @@ TEST_P(SurfaceQuadrature, ReproducesAreaClosureAndVolumeForGenericPlacements) {
   const TriangleMesh cube = transformed(box({0, 0, 0}, {1, 2, 0.5}), rotation(30, 20), {3, 1, 2});
   EXPECT_NEAR(run(grid_around(cube, 0.17, GetParam(), 0.41), cube), 0, 1e-12);
   EXPECT_NEAR(run(grid_around(cube, 0.17, GetParam(), 0.41, rotation(-12, 47)), cube), 0, 1e-12);
+}
+
+TEST_P(SurfaceQuadrature, OnePointAPieceReproducesThemToo) {
+  const TriangleMesh cube = transformed(box({0, 0, 0}, {1, 2, 0.5}), rotation(30, 20), {3, 1, 2});
+  for (const double shift : {0.0, 0.41})
+    EXPECT_NEAR(run(grid_around(cube, 0.17, GetParam(), shift), cube, {}, SurfaceRule::Centroid), 0, 1e-12);
+  const TriangleMesh aligned = box({0.25, 0.25, 0.25}, {0.75, 0.75, 0.75});
+  const SplineGrid grid({0, 0, 0}, {1, 1, 1}, {8, 8, 8}, {GetParam(), GetParam(), GetParam()});
+  const Trimming trimming = trim(grid, aligned, {});
+  const EmbeddedSurface s = make_embedded_surface(grid, aligned, trimming, SurfaceRule::Centroid);
+  EXPECT_NEAR(expect_sound(grid, aligned, trimming, s), 0, 1e-14);
+  EXPECT_LE(s.quadrature.weights.size(), static_cast<std::size_t>(trimming.pieces.num_pieces()));
 }
 
 TEST_P(SurfaceQuadrature, IntegratesPolynomialsUpToThreeTimesTheDegree) {

@@ -139,12 +139,11 @@ class Quantities(unittest.TestCase):
     def test_the_larger_of_two_estimates_counts(self):
         values = sequence(1.0, grids=3)[1]
         own = self.told(values)["error"]
-        safety = estimate.REENTRANT_SOLUTION_SAFETY
+        safety = estimate.SOLUTION_SAFETY
         self.assertEqual(self.told(values, from_solution=own / 2 / safety)["error"], own)
         self.assertAlmostEqual(self.told(values, from_solution=2 * own / safety)["error"], 2 * own)
 
     def test_an_estimate_of_one_solution_alone_counts_double(self):
-        self.assertAlmostEqual(estimate.error_of([1.0], [1.0], 1.0, 0.01).error, 0.01 * estimate.REENTRANT_SOLUTION_SAFETY * estimate.ALONE)
         self.assertAlmostEqual(estimate.error_of([1.0], [1.0], 3.0, 0.01).error, 0.01 * estimate.SOLUTION_SAFETY * estimate.ALONE)
 
     def test_no_limit(self):

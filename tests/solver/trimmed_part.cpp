@@ -8,7 +8,7 @@
 namespace iga::test {
 
 TrimmedModel make_part(const TriangleMesh& mesh, const SplineGrid& grid, int moment_degree, const char* interior_rule,
-                       bool split_gap_ends) {
+                       bool split_gap_ends, const char* surface_rule) {
   prep::TrimOptions trim_options;
   trim_options.split_gap_ends = split_gap_ends;
   prep::Trimming trimming = prep::trim(grid, mesh, trim_options);
@@ -28,14 +28,17 @@ TrimmedModel make_part(const TriangleMesh& mesh, const SplineGrid& grid, int mom
   model.points = std::move(quadrature.points);
   model.quadrature.max_residual = quadrature.max_residual;
   model.functions.mass_fraction = prep::mass_fractions(grid, trimming, cells, model.points);
-  model.surface = prep::make_embedded_surface(grid, mesh, trimming);
+  model.quadrature.surface_rule = surface_rule;
+  model.surface = prep::make_embedded_surface(
+      grid, mesh, trimming,
+      model.quadrature.surface_rule == "exact" ? prep::SurfaceRule::Exact : prep::SurfaceRule::Centroid);
   prep::place_cells(std::move(trimming), std::move(cells), model);
   return model;
 }
 
 TrimmedModel make_part(const TriangleMesh& mesh, const PartOptions& options) {
   return make_part(mesh, grid_around(mesh, options.span_size, options.degree, options.shift, options.rotation),
-                   options.moment_degree, options.interior_rule, options.split_gap_ends);
+                   options.moment_degree, options.interior_rule, options.split_gap_ends, options.surface_rule);
 }
 
 } // namespace iga::test

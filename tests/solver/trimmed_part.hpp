@@ -13,12 +13,14 @@ struct PartOptions {
   Rotation rotation = identity_rotation;
   const char* interior_rule = "gauss";
   bool split_gap_ends = true;
+  const char* surface_rule = "exact";
 };
 
 /// A closed, outward-oriented surface in a grid with a margin of as many spans as its degree.
 TrimmedModel make_part(const TriangleMesh& mesh, const PartOptions& options);
 /// The same in a given grid.
 TrimmedModel make_part(const TriangleMesh& mesh, const SplineGrid& grid, int moment_degree = 0,
-                       const char* interior_rule = "gauss", bool split_gap_ends = true);
+                       const char* interior_rule = "gauss", bool split_gap_ends = true,
+                       const char* surface_rule = "exact");
 
 } // namespace iga::test

@@ -26,6 +26,7 @@ inline void expect_equal(const Provenance& a, const Provenance& b) {
 inline void expect_equal(const QuadratureInfo& a, const QuadratureInfo& b) {
   EXPECT_EQ(a.interior_rule, b.interior_rule);
   EXPECT_EQ(a.trimmed_rule, b.trimmed_rule);
+  EXPECT_EQ(a.surface_rule, b.surface_rule);
   EXPECT_EQ(a.moment_degree, b.moment_degree);
   EXPECT_EQ(a.tolerance, b.tolerance);
   EXPECT_EQ(a.max_residual, b.max_residual);

@@ -13,7 +13,7 @@ REENTRANT_ORDER = 1.09  # of energies where the solid has sharp re-entrant edges
 TWO_GRIDS_ORDER = 1.5   # at most, where only two grids are known
 STRESS_ORDER = 1.0
 SAFETY = 1.25           # on errors from three grids and more (Roache 1994)
-SOLUTION_SAFETY, REENTRANT_SOLUTION_SAFETY = 1.5, 2.0  # on errors that the solution itself tells
+SOLUTION_SAFETY = 1.5   # on errors that the solution itself tells, for what their correction leaves (scripts/studies/error_study.py)
 ALONE = 2.0             # on these, where no other grid bears them out
 SAME_MODE = 0.6         # least agreement of shapes of one and the same mode
 WHOLE = 0.9             # agreement of the shapes of two modes that are one, whatever their neighbours
@@ -76,15 +76,9 @@ def error_of(sizes, values, order, from_solution=None):
     commands form their errors here."""
     told = relative_error(sizes, values, order)
     if from_solution is not None:
-        safe = solution_safety(order) * from_solution
+        safe = SOLUTION_SAFETY * from_solution
         told.error = ALONE * safe if told.error is None else max(told.error, safe)
     return told
-
-
-def solution_safety(order):
-    """What the solution's own estimate is multiplied by, for the error that its correction leaves (scripts/studies/error_study.py):
-    where edges are sharp and re-entrant it sees a share of the error only."""
-    return SOLUTION_SAFETY if order > REENTRANT_ORDER else REENTRANT_SOLUTION_SAFETY
 
 
 def observed_order(sizes, changes):
