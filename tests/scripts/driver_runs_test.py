@@ -257,15 +257,19 @@ class Refusals(Case):
         self.refused(["found 150%, expected a share"], "modes", self.bar, *STEEL, "--tolerance", "150%")
         self.refused(["found 0, expected a share"], "modes", self.bar, *STEEL, "--tolerance", "0")
         self.refused(["found -1, expected a number above 0"], "modes", self.bar, *STEEL, "--max-time=-1")
-        self.refused(["length unit", "--length-unit mm"], "modes", self.bar, "--material", "steel")
+        self.refused(["length unit", "--length-unit mm", "longest side is 40"], "modes", self.bar, "--material", "steel")
         self.refused(['did you mean "steel"'], "modes", self.bar, "--material", "steal", "--length-unit", "mm")
         self.refused(["longest side", "40"], "modes", self.bar, *STEEL, "--span-size", 1000)
 
     def test_static(self):
         self.refused(["no support"], "static", self.bar, *STEEL)
         self.refused(["no load"], "static", self.bar, *STEEL, "--fix", LEFT)
-        self.refused(["no face, edge or vertex 'face 99'", "body/1"], "static", self.bar, *STEEL, "--region-angle", 30, "--fix", "face 99",
+        # Faces of an STL file are listed with where they lie; how to get more of them.
+        self.refused(["no face, edge or vertex 'face 99'", "body/6  area 80, around (40, 5, 4), flat, normal (1, 0, 0)"], "static", self.bar, *STEEL, "--region-angle", 30, "--fix", "face 99",
                      "--force", f"{RIGHT}=0,0,1")
+        self.refused(["body  area", "--region-angle 30"], "static", self.bar, *STEEL, "--fix", "face 1", "--gravity", "0,0,-1 g")
+        self.refused(["supports do not hold the part", "translation along (0, 1, 0)"], "static", self.bar, *STEEL, "--region-angle", 30,
+                     "--fix", f"{LEFT}=x", "--force", f"{RIGHT}=1,0,0")
         self.refused(["found 2 numbers"], "static", self.bar, *STEEL, "--fix", LEFT, "--force", f"{RIGHT}=0,1")
         self.refused(["run.toml", "[[load]]"], "static", self.bar, *STEEL, "--run",
                      self.run_file('[[support]]\nwhole_surface = true\nfixed = "xyz"\n'))

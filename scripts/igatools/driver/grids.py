@@ -105,7 +105,7 @@ class GridRun:
             except RunError as failure:
                 if not self.grids or failure.code not in (2, 4):
                     raise
-                self.notes.append(f"spans of {size:.4g} failed: {failure}")
+                self.notes.append(f"spans of {size:.4g} failed: {' '.join(str(failure).split())}")
                 return
             self.programs.deadline = self.started + HARD_LIMIT * self.options.max_time
             self.estimate()
@@ -118,7 +118,7 @@ class GridRun:
                 return
 
     def first_size(self):
-        side = part.ALONG * min(self.first["grid"]["span_size"])
+        side = longest_side(self.first)
         if self.options.span_size:
             if self.options.span_size > side:
                 raise Failed(f"--span-size {self.options.span_size:g} is more than the longest side of {self.options.part}, {side:.4g}", 2)
@@ -136,7 +136,7 @@ class GridRun:
             return found
         if unit == "unspecified":
             raise Failed(f"{o.part} does not say its length unit, which a material by name, gravity and speeds need; give "
-                         "--length-unit mm (or m)", 2)
+                         f"--length-unit mm (or m); its longest side is {longest_side(found):.4g}", 2)
         if not part.is_cad(o.part) or o.run or getattr(o, "probe", None) or o.length_unit or o.span_size:
             raise Failed(f"{o.part} is in {WORDS.get(unit, unit)}, in which no material has a name; give --length-unit mm and all "
                          "positions and sizes in mm (CAD files are converted; of other files --scale makes millimetres)", 2)
@@ -285,6 +285,10 @@ class GridRun:
 
     def mass(self):
         return self.grids[-1].report.get("mass")
+
+
+def longest_side(first_look):
+    return part.ALONG * min(first_look["grid"]["span_size"])
 
 
 def words_for_seconds(seconds):
