@@ -2,6 +2,7 @@
 import textwrap
 
 from igatools.driver.estimate import REENTRANT_ORDER
+from igatools.report import units
 
 WIDTH = 120
 
@@ -16,10 +17,16 @@ def head(report):
     lines = [f"part         {report['part']}"]
     if material.get("name"):
         lines.append(f"material     {material['name']}"
-                     + (f", units {material['unit_system']}" if material.get("unit_system") else "")
+                     + units_in_words(report)
                      + (f", {material['mass_in_kg']:.4g} kg" if material.get("mass_in_kg") else ""))
     grids = ", ".join(f"{h:.4g}" for h in report["span_sizes"])
     return lines + [f"grids        spans of {grids}{unit}; {', '.join(map(str, report['unknowns']))} unknowns"]
+
+
+def units_in_words(report):
+    """", units t-mm-s (Hz, N, MPa)"; nothing where the run does not know."""
+    unit, name = units.of_report(report), report["material"].get("unit_system")
+    return f", units {name} ({unit['frequency']}, {unit['force']}, {unit['stress']})" if unit["frequency"] else ""
 
 
 def tail(report):
