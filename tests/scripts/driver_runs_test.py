@@ -252,6 +252,7 @@ class Refusals(Case):
 
     def test_words(self):
         self.refused(["missing.stl: no such file"], "modes", "missing.stl", *STEEL)
+        self.refused(["is a folder, expected a file"], "modes", self.folder, *STEEL)
         self.refused(["--material NAME"], "modes", self.bar)
         self.refused(["found abc, expected a share"], "modes", self.bar, *STEEL, "--tolerance", "abc")
         self.refused(["found 150%, expected a share"], "modes", self.bar, *STEEL, "--tolerance", "150%")
@@ -277,6 +278,11 @@ class Refusals(Case):
         self.refused(["run.toml", "line 2"], "static", self.bar, "--run", self.run_file('material = "steel"\n[[load]\n'))
         self.refused(["both given", "--fix"], "static", self.bar, *STEEL, "--run", self.run_file(""), "--fix", LEFT)
         self.refused(["[[bodies]]"], "static", self.bar, *STEEL, "--run", self.run_file('[[bodies]]\nmodel = "a.h5"\n'))
+        (self.folder / "taken").write_text("")
+        done = subprocess.run([ROOT / "scripts" / "iga", "modes", self.bar, *STEEL, "-o", self.folder / "taken" / "out", "--bin", BIN],
+                              capture_output=True, text=True)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("cannot be made", done.stderr)
         # What igasolve finds in the run file is told with its line.
         self.refused(["run.toml:3", "colour"], "static", self.bar, *STEEL, "--run",
                      self.run_file("[[load]]\nforce = [0, 0, 1]\ncolour = 1\nwhole_surface = true\n"))

@@ -271,6 +271,10 @@ class Words(unittest.TestCase):
         for typed, meant in (("wall", "wall side"), ("pin hle", "pin hole"), ("Face 2", "face 2"), ("face 4", None), ("bolt", None)):
             self.assertEqual(loads.nearest(typed, names), meant, typed)
 
+    def test_flags_of_igaprep(self):
+        o = options.parse(["modes", "a.stl", "--material", "steel", "--repair", "--wrap", "--region-angle", "30"], "")
+        self.assertEqual(o.igaprep, ["--repair", "--wrap", "--region-angle", 30.0])
+
     def test_output_folder(self):
         for words, folder in (((), "box_modes"), (("--solid", "lid/upper 1"), "box_lid_upper_1_modes"), (("-o", "out"), "out")):
             o = options.parse(["modes", "box.step", "--material", "steel", *words], "")

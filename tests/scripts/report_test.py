@@ -182,6 +182,7 @@ class Texts(unittest.TestCase):
     def test_numbers(self):
         for value, text in ((120270.4, "120270"), (1234567.0, "1234600"), (61495.2, "61495"), (2.3303e-5, "2.3303e-05"), (1e9, "1e+09")):
             self.assertEqual(tables.number(value), text)
+        self.assertEqual([tables.percent(share) for share in (2.0, 0.0272, None)], ["200 %", "2.7 %", "unknown"])
         self.assertIn("<dd>1.4952 kg</dd>", answer.asked(MODES | {"mass": 0.0014952}))
 
     def test_verdicts(self):

@@ -8,6 +8,7 @@ from igatools import iga_model
 from igatools.driver import part, run_file, singular
 from igatools.driver.output_files import OutputFiles
 from igatools.driver.programs import RunError, Failed, free_memory_gib
+from igatools.report.tables import percent
 
 FEWEST = 2            # grids: no number counts that a second one does not bear out
 REFINEMENT = 1.5      # span size over that of the next grid
@@ -236,7 +237,7 @@ class GridRun:
     def tell(self):
         errors, grid = self.errors(), self.grids[-1]
         known = [error for error in errors if error is not None]
-        words = f"{100 * max(known):.2g} %" if known else "not known yet" if len(self.grids) < 2 else "not known"
+        words = percent(max(known)) if known else "not known yet" if len(self.grids) < 2 else "not known"
         if known and len(known) < len(errors):
             words += f" (of {len(errors) - len(known)} numbers not known)"
         self.progress.say(f"grid {len(self.grids)}: spans of {grid.span_size:.4g}, {self.unknowns(grid)} unknowns, "
@@ -253,7 +254,7 @@ class GridRun:
         finer = (worst / self.options.tolerance) ** (1 / order)
         last, memory = self.grids[-1], self.peak_memory() / 1024 * finer ** self.memory_power()
         time_words = f"about {words_for_seconds(last.seconds * finer ** self.time_power())} and {memory:.2g} GiB for that grid alone"
-        return (f"reached is an error of {100 * worst:.2g} %; {100 * self.options.tolerance:.2g} % would want spans of about "
+        return (f"reached is an error of {percent(worst)}; {percent(self.options.tolerance)} would want spans of about "
                 f"{last.span_size / finer:.2g}, " + (time_words if memory < MOST_MEMORY else "more than machines have"))
 
     def report(self):

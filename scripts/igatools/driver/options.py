@@ -93,6 +93,8 @@ def add_common(p, command):
     group.add_argument("--solid", metavar="NAME", help="of a CAD file with several")
     group.add_argument("--merge", action="store_true", help="one part of all solids of a CAD file, which must touch")
     group.add_argument("--repair", action="store_true", help="allow igaprep to change a faulty surface")
+    group.add_argument("--wrap", action="store_true",
+                       help="last resort: a closed surface around it instead, which only approximates the part")
     group.add_argument("--degree", type=int, default=2, choices=(1, 2, 3, 4), help="of the splines [2]")
     group.add_argument("--span-size", type=above_zero, help="of the first grid [from the part]")
     group = p.add_argument_group("running")
@@ -161,7 +163,7 @@ def parser_of(about):
 
 def complete(o, parser):
     """What follows from the words: flags of the programs, the output folder."""
-    o.igaprep = [flag for flag, is_on in (("--repair", o.repair), ("--merge", o.merge)) if is_on]
+    o.igaprep = [flag for flag, is_on in (("--repair", o.repair), ("--wrap", o.wrap), ("--merge", o.merge)) if is_on]
     for key, value in (("--scale", o.scale), ("--region-angle", o.region_angle), ("--solid", o.solid)):
         o.igaprep += [key, value] if value is not None else []
     o.run = getattr(o, "run", None)

@@ -3,12 +3,9 @@ import textwrap
 
 from igatools.driver.estimate import REENTRANT_ORDER
 from igatools.report import units
+from igatools.report.tables import percent
 
 WIDTH, MARGIN = 120, 13
-
-
-def percent(error):
-    return "unknown" if error is None else f"{100 * error:.2g} %"
 
 
 def head(report):

@@ -14,7 +14,7 @@ def number(value, digits=5):
 
 
 def percent(share):
-    return "unknown" if share is None else f"{100 * share:.2g} %"
+    return "unknown" if share is None else f"{number(100 * share, 2)} %"
 
 
 def row(cells, heading=False):
