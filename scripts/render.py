@@ -17,6 +17,8 @@ Of results (igasolve eigen part.h5 … -o modes.h5, igasolve static …):
 Of a run file (scripts/render.py --choices run.toml; igasolve static and eigen):
   <run>_choices.png     the part from both sides, the surface that each support and load has chosen in a colour
 
+Beside a report.json of scripts/iga frequencies are given with their estimated errors.
+
 Deformations are exaggerated so that the largest displacement is some per cent of the part, or by --scale; the part at rest
 is outlined. Needs h5py, matplotlib and the VTK that python3-paraview brings; without a screen it starts itself again under
 xvfb-run. Lengths and axes are those of the part; a rotated grid is drawn rotated.

@@ -3,7 +3,7 @@
 # usage: cmake -DSOURCES=samples -DPARTS=build/release/samples -DOUTPUT=folder -P InstalledSamples.cmake
 file(REMOVE_RECURSE ${OUTPUT})
 file(GLOB_RECURSE files RELATIVE ${SOURCES} ${SOURCES}/*.md ${SOURCES}/*.toml ${SOURCES}/*.csv ${SOURCES}/*.stl
-     ${SOURCES}/*.step ${SOURCES}/results_in_python/*.py)
+     ${SOURCES}/*.step ${SOURCES}/*.png ${SOURCES}/results_in_python/*.py)
 list(FILTER files EXCLUDE REGEX "^(11_foam_modes_vs_fem|elastic_wave)/") # run by scripts that stay with the sources
 foreach(file IN LISTS files)
   if(file MATCHES "\\.(md|toml)$")

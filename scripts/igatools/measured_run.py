@@ -62,11 +62,17 @@ def report(command, log=None, while_waiting=None):
         log.write(err)
         log.flush()
     if process.returncode != 0:
-        own = [line for line in err.splitlines() if ": error: " in line]
-        last = (err.strip().splitlines() or ["no output"])[-1]
-        raise RunError(own[0] if own else f"{Path(command[0]).name} ended with exit code {process.returncode}: {last}",
-                       process.returncode)
+        raise RunError(words_of_error(Path(command[0]).name, err, process.returncode), process.returncode)
     return json.loads(out)
+
+
+def words_of_error(tool, err, code):
+    """What a tool says of its error, all lines of it; its last line where it does not."""
+    lines = err.strip().splitlines()
+    starts = [number for number, line in enumerate(lines) if ": error: " in line]
+    if not starts:
+        return f"{tool} ended with exit code {code}: {lines[-1] if lines else 'no output'}"
+    return "\n".join(lines[starts[0]:]).replace(": error: ", ": ", 1)
 
 
 def finished(process, while_waiting):

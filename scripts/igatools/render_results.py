@@ -1,4 +1,5 @@
 """Pictures of a results file for render.py: modes and deformed shapes, coloured by |u| or von Mises stress."""
+import json
 import sys
 
 import matplotlib.pyplot as plt
@@ -9,6 +10,7 @@ from vtkmodules.vtkFiltersHybrid import vtkPolyDataSilhouette
 
 from igatools import iga_results
 from igatools.drawing import PIXELS, actor_of, page, picture, save, triangle_mesh, with_normals
+from igatools.report import tables, units
 
 COLOURS = plt.get_cmap("turbo")
 SHEET = 6  # modes
@@ -35,6 +37,7 @@ class Shapes:
         self.diagonal = float(np.linalg.norm(np.ptp(self.vertices, axis=0)))
         unit = self.results.attribute("/", "length_unit")
         self.unit = "" if unit == "unspecified" else f" {unit}"
+        self.told = told_beside(path, self.results)
 
     def displacement(self, step):
         return self.surface["displacement"][step]
@@ -53,6 +56,20 @@ class Shapes:
         """Exaggeration that makes the largest displacement this share of the part's diagonal."""
         largest = np.linalg.norm(self.displacement(step), axis=1).max(initial=0)
         return share * self.diagonal / largest if largest > 0 else 1.0
+
+
+def told_beside(path, results):
+    """{step: frequency with its error, as text}, from the report that scripts/iga has left beside its finest results; else nothing."""
+    try:
+        report = json.loads((path.parent / "report.json").read_text())
+    except (OSError, ValueError):
+        return {}
+    if report.get("results") != path.name or "frequencies" not in report:
+        return {}
+    unit = units.of_report(report)["frequency"]
+    texts = [f"f = {units.with_unit(tables.number(frequency), unit)}" + (", error unknown" if error is None else f" ± {tables.percent(error)}")
+             for frequency, error in zip(report["frequencies"], report["errors"])]
+    return dict(zip(results.elastic(), texts))
 
 
 def outline(shapes, sight):
@@ -94,6 +111,8 @@ def normalised(values, colour):
 
 
 def frequency_text(shapes, step):
+    if step in shapes.told:
+        return shapes.told[step]
     kind = shapes.results.kinds()[step]
     frequency = f"f = {shapes.results['/frequencies'][step]:.5g}"
     return {"RIGID": "rigid", "ELASTIC": frequency, "MECHANISM": f"{frequency} (mechanism)"}[kind]
@@ -123,8 +142,7 @@ def draw_sheet(shapes, colour, scale, sight, file):
                     va="center")
     figure.text(36 / width, 1 - 46 / height, f"{shapes.title}: the first {len(steps)} elastic modes", fontsize=26,
                 weight="bold", color="#20242a", va="center")
-    figure.text(36 / width, 1 - 96 / height, f"{describe(shapes)}; frequencies in cycles per unit of time", fontsize=17,
-                color="#4a5058", va="center")
+    figure.text(36 / width, 1 - 96 / height, describe(shapes), fontsize=17, color="#4a5058", va="center")
     bar_axes = figure.add_axes([0.32, 70 / height, 0.36, 20 / height])
     bar = figure.colorbar(plt.cm.ScalarMappable(Normalize(0, 1), COLOURS), cax=bar_axes, orientation="horizontal")
     bar.set_label(f"{LABELS[colour]} over its largest value in each mode", fontsize=15, color="#20242a")
@@ -136,14 +154,15 @@ def describe(shapes):
     rigid = shapes.results.kinds().count("RIGID")
     found = f"{rigid} rigid modes" if rigid != 1 else "1 rigid mode"
     mass = shapes.results.attribute("/eigen", "mass")
-    return f"{int(shapes.results.attribute('/functions', 'unknowns')):,} unknowns, {mass} mass, {found}"
+    unit = "" if shapes.told else "; frequencies in cycles per unit of time"
+    return f"{int(shapes.results.attribute('/functions', 'unknowns')):,} unknowns, {mass} mass, {found}{unit}"
 
 
 def draw_mode(shapes, step, colour, scale, sight, file):
     factor = scale or shapes.factor(step, MODE_SHARE)
     values = normalised(shapes.values(step, colour), colour)
     pixels = draw_shape(shapes, step, factor, values, Normalize(0, 1), sight, extent(shapes, [step], [factor]))
-    page(pixels, f"{shapes.title}: mode {step + 1}", f"{frequency_text(shapes, step)} (cycles per unit of time); {describe(shapes)}",
+    page(pixels, f"{shapes.title}: mode {step + 1}", f"{frequency_text(shapes, step)}; {describe(shapes)}",
          file, colour_bar=(plt.cm.ScalarMappable(Normalize(0, 1), COLOURS), f"{LABELS[colour]} over its largest value"),
          extend="neither" if colour == "displacement" else "max")
 

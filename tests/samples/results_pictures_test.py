@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """scripts/render.py and scripts/plot.py draw results: the pictures show the colours that they should, the printed rates are
 those of the numbers, and wrong input is refused in one line.  usage: results_pictures_test.py SYNTHETIC_RESULTS_TOOL FOLDER"""
+import json
 import shutil
 import subprocess
 import sys
@@ -12,6 +13,8 @@ import numpy as np
 
 TOOL, FOLDER = Path(sys.argv[1]), Path(sys.argv[2])
 SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
+sys.path.insert(0, str(SCRIPTS))
+from igatools import iga_results, render_results  # noqa: E402
 
 
 def run(script, *arguments):
@@ -55,6 +58,23 @@ class ResultsPictures(unittest.TestCase):
         self.draw(FOLDER / "eigen.h5", "--mode", "8", "9", "--colour", "von_mises", "--scale", "20", "--sight", "0", "0", "-1")
         for number in (8, 9):
             self.assertGreater(share(FOLDER / f"eigen_mode_{number}.png", red), 0.01)
+
+    def test_errors_of_the_report_beside(self):
+        """Of the results that the report speaks of, and of no others."""
+        folder = FOLDER / "told"
+        folder.mkdir()
+        path = folder / "eigen.h5"
+        shutil.copy(FOLDER / "eigen.h5", path)
+        results = iga_results.read(path)
+        self.assertEqual(render_results.told_beside(path, results), {})
+        report = {"results": "eigen.h5", "frequencies": [3201.44, 5085.7], "errors": [0.027, None], "material": {"unit_system": "t-mm-s"}}
+        (folder / "report.json").write_text(json.dumps(report))
+        told = render_results.told_beside(path, results)
+        self.assertEqual(told[results.elastic()[0]], "f = 3201.4 Hz ± 2.7 %")
+        self.assertEqual(told[results.elastic()[1]], "f = 5085.7 Hz, error unknown")
+        self.draw(path)
+        (folder / "report.json").write_text(json.dumps(report | {"results": "other.h5"}))
+        self.assertEqual(render_results.told_beside(path, results), {})
 
     def test_deformed_part(self):
         self.draw(FOLDER / "static.h5", "--colour", "displacement")

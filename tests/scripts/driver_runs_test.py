@@ -252,20 +252,25 @@ class Refusals(Case):
 
     def test_words(self):
         self.refused(["missing.stl: no such file"], "modes", "missing.stl", *STEEL)
+        self.refused(["is a folder, expected a file"], "modes", self.folder, *STEEL)
         self.refused(["--material NAME"], "modes", self.bar)
         self.refused(["found abc, expected a share"], "modes", self.bar, *STEEL, "--tolerance", "abc")
         self.refused(["found 150%, expected a share"], "modes", self.bar, *STEEL, "--tolerance", "150%")
         self.refused(["found 0, expected a share"], "modes", self.bar, *STEEL, "--tolerance", "0")
         self.refused(["found -1, expected a number above 0"], "modes", self.bar, *STEEL, "--max-time=-1")
-        self.refused(["length unit", "--length-unit mm"], "modes", self.bar, "--material", "steel")
+        self.refused(["length unit", "--length-unit mm", "longest side is 40"], "modes", self.bar, "--material", "steel")
         self.refused(['did you mean "steel"'], "modes", self.bar, "--material", "steal", "--length-unit", "mm")
         self.refused(["longest side", "40"], "modes", self.bar, *STEEL, "--span-size", 1000)
 
     def test_static(self):
         self.refused(["no support"], "static", self.bar, *STEEL)
         self.refused(["no load"], "static", self.bar, *STEEL, "--fix", LEFT)
-        self.refused(["no face, edge or vertex 'face 99'", "body/1"], "static", self.bar, *STEEL, "--region-angle", 30, "--fix", "face 99",
+        # Faces of an STL file are listed with where they lie; how to get more of them.
+        self.refused(["no face, edge or vertex 'face 99'", "body/6  area 80, around (40, 5, 4), flat, normal (1, 0, 0)"], "static", self.bar, *STEEL, "--region-angle", 30, "--fix", "face 99",
                      "--force", f"{RIGHT}=0,0,1")
+        self.refused(["body  area", "--region-angle 30"], "static", self.bar, *STEEL, "--fix", "face 1", "--gravity", "0,0,-1 g")
+        self.refused(["supports do not hold the part", "translation along (0, 1, 0)"], "static", self.bar, *STEEL, "--region-angle", 30,
+                     "--fix", f"{LEFT}=x", "--force", f"{RIGHT}=1,0,0")
         self.refused(["found 2 numbers"], "static", self.bar, *STEEL, "--fix", LEFT, "--force", f"{RIGHT}=0,1")
         self.refused(["run.toml", "[[load]]"], "static", self.bar, *STEEL, "--run",
                      self.run_file('[[support]]\nwhole_surface = true\nfixed = "xyz"\n'))
@@ -273,6 +278,11 @@ class Refusals(Case):
         self.refused(["run.toml", "line 2"], "static", self.bar, "--run", self.run_file('material = "steel"\n[[load]\n'))
         self.refused(["both given", "--fix"], "static", self.bar, *STEEL, "--run", self.run_file(""), "--fix", LEFT)
         self.refused(["[[bodies]]"], "static", self.bar, *STEEL, "--run", self.run_file('[[bodies]]\nmodel = "a.h5"\n'))
+        (self.folder / "taken").write_text("")
+        done = subprocess.run([ROOT / "scripts" / "iga", "modes", self.bar, *STEEL, "-o", self.folder / "taken" / "out", "--bin", BIN],
+                              capture_output=True, text=True)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("cannot be made", done.stderr)
         # What igasolve finds in the run file is told with its line.
         self.refused(["run.toml:3", "colour"], "static", self.bar, *STEEL, "--run",
                      self.run_file("[[load]]\nforce = [0, 0, 1]\ncolour = 1\nwhole_surface = true\n"))

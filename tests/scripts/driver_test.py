@@ -265,6 +265,20 @@ class Words(unittest.TestCase):
         self.assertEqual(loads.probe("tip=1,2,3"), ("tip", (1, 2, 3)))
         self.assertEqual(loads.probe("1,2,3"), ("1,2,3", (1, 2, 3)))
 
+    def test_names_that_were_meant(self):
+        names = ["wall side", "face 2", "face 30", "pin hole"]
+        for typed, meant in (("wall", "wall side"), ("pin hle", "pin hole"), ("Face 2", "face 2"), ("face 4", None), ("bolt", None)):
+            self.assertEqual(loads.nearest(typed, names), meant, typed)
+
+    def test_flags_of_igaprep(self):
+        o = options.parse(["modes", "a.stl", "--material", "steel", "--repair", "--wrap", "--region-angle", "30"], "")
+        self.assertEqual(o.igaprep, ["--repair", "--wrap", "--region-angle", 30.0])
+
+    def test_output_folder(self):
+        for words, folder in (((), "box_modes"), (("--solid", "lid/upper 1"), "box_lid_upper_1_modes"), (("-o", "out"), "out")):
+            o = options.parse(["modes", "box.step", "--material", "steel", *words], "")
+            self.assertEqual(str(o.output), folder)
+
 
 class Files(unittest.TestCase):
     def setUp(self):
@@ -318,8 +332,8 @@ class Started(unittest.TestCase):
         return made
 
     def test_words_of_a_program_that_fails(self):
-        with self.assertRaisesRegex(RunError, "^igaprep: error: part.stl: no such file$") as caught:
-            self.programs("echo reading >&2; echo 'igaprep: error: part.stl: no such file' >&2; exit 2").run("igaprep")
+        with self.assertRaisesRegex(RunError, "^igaprep: part.stl: no such file\nmake it$") as caught:
+            self.programs("echo reading >&2; echo 'igaprep: error: part.stl: no such file' >&2; echo 'make it' >&2; exit 2").run("igaprep")
         self.assertEqual(caught.exception.code, 2)
         with self.assertRaisesRegex(RunError, "igasolve ended with exit code 9: no output"):
             self.programs("exit 9").run("igasolve")

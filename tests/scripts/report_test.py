@@ -15,7 +15,7 @@ import numpy as np
 SOURCE = Path(sys.argv[1])
 sys.path.insert(0, str(SOURCE / "scripts"))
 from igatools import report  # noqa: E402
-from igatools.report import answer, arrays, convergence, energies, files, page, plots, spans, thinning, threed, units  # noqa: E402
+from igatools.report import answer, arrays, convergence, energies, files, page, plots, spans, tables, thinning, threed, units  # noqa: E402
 
 MATERIAL = {"name": "steel", "unit_system": "t-mm-s", "E": 210e3, "nu": 0.3, "rho": 7.85e-9}
 COMMON = {"part": "bar.step", "material": MATERIAL, "tolerance": 0.01, "reached": True, "length_unit": "mm", "mass": 1e-3,
@@ -173,6 +173,17 @@ class Texts(unittest.TestCase):
         self.assertEqual(tabs(MODES), ["answer", "view", "convergence", "warnings", "repeat"])
         self.assertEqual(tabs(MODES | {"span_sizes": [4]}), ["answer", "view", "warnings", "repeat"])
         self.assertEqual(tabs(STATIC | {"energies": "missing.csv"})[3], "energies")
+
+    def test_warnings_are_told_from_notes(self):
+        for more, name in (({}, "Notes (0)"), ({"findings": ["a"], "notes": ["b"]}, "Notes (2)"), ({"warnings": ["a"]}, "Warnings (1)"),
+                           ({"warnings": ["a"], "notes": ["b"]}, "Warnings (1), Notes (1)")):
+            self.assertIn(f">{name}</button>", written(MODES | more))
+
+    def test_numbers(self):
+        for value, text in ((120270.4, "120270"), (1234567.0, "1234600"), (61495.2, "61495"), (2.3303e-5, "2.3303e-05"), (1e9, "1e+09")):
+            self.assertEqual(tables.number(value), text)
+        self.assertEqual([tables.percent(share) for share in (2.0, 0.0272, None)], ["200 %", "2.7 %", "unknown"])
+        self.assertIn("<dd>1.4952 kg</dd>", answer.asked(MODES | {"mass": 0.0014952}))
 
     def test_verdicts(self):
         self.assertIn("Tolerance of 1 % reached", page.verdict(MODES))

@@ -8,6 +8,7 @@ from igatools import iga_model
 from igatools.driver import part, run_file, singular
 from igatools.driver.output_files import OutputFiles
 from igatools.driver.programs import RunError, Failed, free_memory_gib
+from igatools.report.tables import percent
 
 FEWEST = 2            # grids: no number counts that a second one does not bear out
 REFINEMENT = 1.5      # span size over that of the next grid
@@ -105,7 +106,7 @@ class GridRun:
             except RunError as failure:
                 if not self.grids or failure.code not in (2, 4):
                     raise
-                self.notes.append(f"spans of {size:.4g} failed: {failure}")
+                self.notes.append(f"spans of {size:.4g} failed: {' '.join(str(failure).split())}")
                 return
             self.programs.deadline = self.started + HARD_LIMIT * self.options.max_time
             self.estimate()
@@ -118,7 +119,7 @@ class GridRun:
                 return
 
     def first_size(self):
-        side = part.ALONG * min(self.first["grid"]["span_size"])
+        side = longest_side(self.first)
         if self.options.span_size:
             if self.options.span_size > side:
                 raise Failed(f"--span-size {self.options.span_size:g} is more than the longest side of {self.options.part}, {side:.4g}", 2)
@@ -136,7 +137,7 @@ class GridRun:
             return found
         if unit == "unspecified":
             raise Failed(f"{o.part} does not say its length unit, which a material by name, gravity and speeds need; give "
-                         "--length-unit mm (or m)", 2)
+                         f"--length-unit mm (or m); its longest side is {longest_side(found):.4g}", 2)
         if not part.is_cad(o.part) or o.run or getattr(o, "probe", None) or o.length_unit or o.span_size:
             raise Failed(f"{o.part} is in {WORDS.get(unit, unit)}, in which no material has a name; give --length-unit mm and all "
                          "positions and sizes in mm (CAD files are converted; of other files --scale makes millimetres)", 2)
@@ -236,7 +237,7 @@ class GridRun:
     def tell(self):
         errors, grid = self.errors(), self.grids[-1]
         known = [error for error in errors if error is not None]
-        words = f"{100 * max(known):.2g} %" if known else "not known yet" if len(self.grids) < 2 else "not known"
+        words = percent(max(known)) if known else "not known yet" if len(self.grids) < 2 else "not known"
         if known and len(known) < len(errors):
             words += f" (of {len(errors) - len(known)} numbers not known)"
         self.progress.say(f"grid {len(self.grids)}: spans of {grid.span_size:.4g}, {self.unknowns(grid)} unknowns, "
@@ -253,7 +254,7 @@ class GridRun:
         finer = (worst / self.options.tolerance) ** (1 / order)
         last, memory = self.grids[-1], self.peak_memory() / 1024 * finer ** self.memory_power()
         time_words = f"about {words_for_seconds(last.seconds * finer ** self.time_power())} and {memory:.2g} GiB for that grid alone"
-        return (f"reached is an error of {100 * worst:.2g} %; {100 * self.options.tolerance:.2g} % would want spans of about "
+        return (f"reached is an error of {percent(worst)}; {percent(self.options.tolerance)} would want spans of about "
                 f"{last.span_size / finer:.2g}, " + (time_words if memory < MOST_MEMORY else "more than machines have"))
 
     def report(self):
@@ -285,6 +286,10 @@ class GridRun:
 
     def mass(self):
         return self.grids[-1].report.get("mass")
+
+
+def longest_side(first_look):
+    return part.ALONG * min(first_look["grid"]["span_size"])
 
 
 def words_for_seconds(seconds):

@@ -31,10 +31,17 @@ def check(o):
     """Before anything runs or is written."""
     for path in (o.part, o.run):
         if path and not path.is_file():
-            raise Failed(f"{path}: no such file", 2)
+            raise Failed(f"{path}: {'is a folder, expected a file' if path.is_dir() else 'no such file'}", 2)
     if o.command == "static":
         from igatools.driver.static import refuse_doubled
         refuse_doubled(o)
+
+
+def make_folder(path):
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise Failed(f"{path}: cannot be made ({error.strerror}); choose another folder for the output with -o", 2) from error
 
 
 def rewrite(folder):
@@ -58,7 +65,7 @@ def main(words, about):
         return rewrite(o.folder)
     try:
         check(o)
-        o.output.mkdir(parents=True, exist_ok=True)
+        make_folder(o.output)
         report = command_of(o, Programs(o.output, Progress(o.quiet), o.bin)).run()
     except (RunError, OSError) as failure:
         print(f"iga: error: {failure}", file=sys.stderr)

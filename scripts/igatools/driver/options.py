@@ -80,17 +80,21 @@ def words_of(read, *arguments, **options):
 def add_common(p, command):
     p.add_argument("part", type=Path, help="STEP, IGES, BREP, STL, OBJ, PLY or OFF")
     group = p.add_argument_group("material")
-    group.add_argument("--material", metavar="NAME", help="such as steel")
-    for key in ("E", "nu", "rho"):
-        group.add_argument(f"--{key}", type=above_zero, help="by number, in units that fit the part's length unit")
+    group.add_argument("--material", metavar="NAME", help="such as steel; a wrong name makes igasolve list them all")
+    for key, what in (("E", "Young's modulus, such as 210e3 N/mm² for a part in mm"), ("nu", "Poisson's ratio"),
+                      ("rho", "density, such as 7.85e-9 t/mm³ for a part in mm")):
+        group.add_argument(f"--{key}", type=above_zero, help=what)
     group.add_argument("--unit-system", choices=tuple(units.SYSTEMS), help="of all numbers [t-mm-s in mm, SI in m]")
     group = p.add_argument_group("part and grid")
     group.add_argument("--length-unit", help="of the part: mm, m … (CAD files know their own)")
     group.add_argument("--scale", type=above_zero, help="factor on all coordinates of the file [1]")
-    group.add_argument("--region-angle", type=above_zero, metavar="DEG", help="split the surface into faces at edges sharper than this")
+    group.add_argument("--region-angle", type=above_zero, metavar="DEG", 
+                       help="split the surface of an STL file into faces, at edges sharper than this, such as 30")
     group.add_argument("--solid", metavar="NAME", help="of a CAD file with several")
     group.add_argument("--merge", action="store_true", help="one part of all solids of a CAD file, which must touch")
     group.add_argument("--repair", action="store_true", help="allow igaprep to change a faulty surface")
+    group.add_argument("--wrap", action="store_true",
+                       help="last resort: a closed surface around it instead, which only approximates the part")
     group.add_argument("--degree", type=int, default=2, choices=(1, 2, 3, 4), help="of the splines [2]")
     group.add_argument("--span-size", type=above_zero, help="of the first grid [from the part]")
     group = p.add_argument_group("running")
@@ -99,7 +103,7 @@ def add_common(p, command):
                        help="seconds in all [600]; a grid that was expected to fit in is stopped after half as much again")
     group.add_argument("--memory", type=above_zero, metavar="GIB", help="that one run may use [four fifths of what is free]")
     group.add_argument("--fresh", action="store_true", help="use no file of an earlier call")
-    group.add_argument("-o", "--output", type=Path, help=f"folder [<part>_{command}]")
+    group.add_argument("-o", "--output", type=Path, help=f"folder [<part>_{command}; <part>_<solid>_{command} with --solid]")
     group.add_argument("--bin", type=Path, help="folder of igaprep and igasolve")
     group.add_argument("--json", action="store_true", help="the report as one JSON object on stdout")
     group.add_argument("--quiet", action="store_true", help="no progress")
@@ -159,7 +163,7 @@ def parser_of(about):
 
 def complete(o, parser):
     """What follows from the words: flags of the programs, the output folder."""
-    o.igaprep = [flag for flag, is_on in (("--repair", o.repair), ("--merge", o.merge)) if is_on]
+    o.igaprep = [flag for flag, is_on in (("--repair", o.repair), ("--wrap", o.wrap), ("--merge", o.merge)) if is_on]
     for key, value in (("--scale", o.scale), ("--region-angle", o.region_angle), ("--solid", o.solid)):
         o.igaprep += [key, value] if value is not None else []
     o.run = getattr(o, "run", None)
@@ -173,8 +177,13 @@ def complete(o, parser):
                      + ("" if o.command == "drop" else ", or a run file that has them (--run)"))
     if o.command == "impact" and bool(o.run) == bool(o.speed):
         parser.error("give a run file (--run) or the speed of the part against a rigid wall (--speed), one of the two")
-    o.output = o.output or Path(f"{o.part.stem}_{o.command}")
+    o.output = o.output or Path(f"{o.part.stem}{solid_in_name(o.solid)}_{o.command}")
     return o
+
+
+def solid_in_name(solid):
+    """Solids of one file have folders of their own."""
+    return "_" + re.sub(r"[^\w.-]+", "_", solid) if solid else ""
 
 
 def joined(words):

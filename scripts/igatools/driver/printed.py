@@ -2,12 +2,10 @@
 import textwrap
 
 from igatools.driver.estimate import REENTRANT_ORDER
+from igatools.report import units
+from igatools.report.tables import percent
 
-WIDTH = 120
-
-
-def percent(error):
-    return "unknown" if error is None else f"{100 * error:.2g} %"
+WIDTH, MARGIN = 120, 13
 
 
 def head(report):
@@ -16,10 +14,16 @@ def head(report):
     lines = [f"part         {report['part']}"]
     if material.get("name"):
         lines.append(f"material     {material['name']}"
-                     + (f", units {material['unit_system']}" if material.get("unit_system") else "")
+                     + units_in_words(report)
                      + (f", {material['mass_in_kg']:.4g} kg" if material.get("mass_in_kg") else ""))
     grids = ", ".join(f"{h:.4g}" for h in report["span_sizes"])
     return lines + [f"grids        spans of {grids}{unit}; {', '.join(map(str, report['unknowns']))} unknowns"]
+
+
+def units_in_words(report):
+    """", units t-mm-s (Hz, N, MPa)"; nothing where the run does not know."""
+    unit, name = units.of_report(report), report["material"].get("unit_system")
+    return f", units {name} ({unit['frequency']}, {unit['force']}, {unit['stress']})" if unit["frequency"] else ""
 
 
 def tail(report):
@@ -35,17 +39,18 @@ def tail(report):
 
 
 def modes(report):
+    frequency = units.headed("frequency", units.of_report(report)["frequency"])
     lines = [f"modes        {report['rigid_modes']} rigid, {len(report['frequencies'])} elastic"
              + (", none missing (Sturm count)" if report["complete"] else ""), "",
-             f"{'mode':>6}  {'frequency':>14}  {'error':>9}  {'computed':>14}  {'order':>6}  {'shape':>6}"]
+             f"{'mode':>6}  {frequency:>14}  {'error':>9}  {'computed':>14}  {'order':>6}  {'shape':>6}"]
     columns = zip(report["frequencies"], report["errors"], report["computed"], report["orders"], report["agreements"])
     for number, (f, e, computed, q, a) in enumerate(columns):
         lines.append(f"{number + 1 + report['rigid_modes']:>6}  {f:>14.6g}  {percent(e):>9}  {computed:>14.6g}  "
                      f"{'' if q is None else f'{q:.1f}':>6}  {'' if a is None else f'{a:.2f}':>6}".rstrip())
     about = wrapped("computed", "on the finest grid, as a rule too high; the frequency given is that less its error as the mode itself "
                                 "tells it, by what it leaves of the equations")
-    return lines + ["", *about_errors(report, "the frequency"), *about,
-                    "order   as observed; shape: how much of the mode is that of the grid before"]
+    return lines + ["", *about_errors(report, "the frequency"), *about, *wrapped("order", "as observed on three grids"),
+                    *wrapped("shape", "how much of the mode is that of the grid before")]
 
 
 def quantities(report):
@@ -59,7 +64,7 @@ def quantities(report):
         lines.append(f"  {entry['name']:<{width}}  {value:>12} {entry['unit']:<5}  {error:>9}  {order:>6}".rstrip())
         if entry["note"]:
             lines.append(f"  {'':<{width}}    {entry['note']}")
-    return lines + ["", *about_errors(report, "the value"), "order   as observed"]
+    return lines + ["", *about_errors(report, "the value"), *wrapped("order", "as observed on three grids")]
 
 
 def about_errors(report, what):
@@ -72,7 +77,7 @@ def about_errors(report, what):
 
 
 def wrapped(word, text):
-    return textwrap.wrap(text, WIDTH, initial_indent=f"{word:<7} ", subsequent_indent="        ")
+    return textwrap.wrap(text, WIDTH, initial_indent=f"{word:<{MARGIN - 1}} ", subsequent_indent=MARGIN * " ")
 
 
 def text(report):

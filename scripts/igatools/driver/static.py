@@ -125,6 +125,7 @@ def refuse_doubled(options):
     if options.run:
         return
     if not options.fix:
-        raise Failed('no support; give --fix "face 12" or a run file with [[support]] tables (--run)', 2)
+        raise Failed(f'no support; give --fix "face 12" or a run file with [[support]] tables (--run); '
+                     f"{loads.where_names(options.part)}", 2)
     if not (options.force or options.pressure or options.gravity):
-        raise Failed('no load; give --force "face 3=0,0,-1000", --pressure "face 3=0.5", --gravity 0,0,-9810 or a run file (--run)', 2)
+        raise Failed('no load; give --force "face 3=0,0,-1000", --pressure "face 3=0.5", --gravity "0,0,-1 g" or a run file (--run)', 2)

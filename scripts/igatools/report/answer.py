@@ -88,7 +88,7 @@ def asked(report):
     return tables.facts([
         ("Part", report.get("part")), ("Material", material(report, unit)), ("Run file", report.get("run_file")),
         ("Tolerance", None if report.get("tolerance") is None else percent(report["tolerance"])),
-        ("Mass", None if mass is None else units.with_unit(number(mass), unit["mass"])),
+        ("Mass", None if mass is None else mass_in_words(mass, unit["mass"])),
         ("Length unit", unit["length"]),
         ("Span sizes", units.with_unit(", ".join(f"{h:.4g}" for h in sizes), unit["length"]) if sizes else None),
         ("Unknowns", ", ".join(f"{n:,}" for n in report.get("unknowns") or [])),
@@ -103,6 +103,11 @@ def material(report, unit):
     return ", ".join(word for word in [found.get("name"), *words] if word)
 
 
+def mass_in_words(mass, unit):
+    """Tonnes, which go with mm and s, are too large for most parts."""
+    return f"{number(1000 * mass)} kg" if unit == "t" else units.with_unit(number(mass), unit)
+
+
 def plus_minus(error):
     return "unknown" if error is None else f"± {percent(error)}"
 
@@ -112,7 +117,7 @@ def interval(value, error):
         return "unknown"
     reach = abs(value) * error
     digits = 5 if error > 1e-4 else 7  # as many as tell both ends apart
-    return f"{value - reach:.{digits}g} … {value + reach:.{digits}g}"
+    return f"{number(value - reach, digits)} … {number(value + reach, digits)}"
 
 
 def widest_of(errors, tolerance):

@@ -17,7 +17,7 @@ def html(report, folder):
     data = shown.data() if library else None
     panels = [("answer", "Answer", answer.html(report)), ("view", "3-D view", view(library, data, shown.notes)),
               ("convergence", "Convergence", convergence.html(report)), ("energies", "Energies", energies.html(report, folder)),
-              ("warnings", f"Warnings ({count_of_remarks(report)})", warnings(report)), ("repeat", "Repeat", repeat(report))]
+              ("warnings", remarks_in_words(report), warnings(report)), ("repeat", "Repeat", repeat(report))]
     panels = [panel for panel in panels if panel[2] is not None]
     part = Path(report.get("part") or "").name
     texts = {"title": escape(f"{title(report)}: {part}"), "heading": escape(title(report)), "part": escape(part),
@@ -82,8 +82,10 @@ REMARKS = [("warnings", "Warnings", "What may make the numbers wrong."),
            ("findings", "What was found about the part", "Properties of the surface and of the model that are worth knowing.")]
 
 
-def count_of_remarks(report):
-    return sum(len(report.get(key) or []) for key, _, _ in REMARKS)
+def remarks_in_words(report):
+    """Name of the tab: warnings are told apart from what is merely worth knowing."""
+    warned, others = len(report.get("warnings") or []), sum(len(report.get(key) or []) for key in ("notes", "findings"))
+    return ", ".join(f"{name} ({count})" for name, count in (("Warnings", warned), ("Notes", others)) if count) or "Notes (0)"
 
 
 def warnings(report):

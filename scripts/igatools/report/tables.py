@@ -2,12 +2,19 @@
 from html import escape
 
 
+MOST_WRITTEN_OUT = 1e8  # beyond it an exponent is easier to read
+
+
 def number(value, digits=5):
-    return "unknown" if value is None else f"{value:.{digits}g}"
+    """With so many digits that count; a large one without exponent, rounded likewise."""
+    if value is None:
+        return "unknown"
+    rounded = f"{value:.{digits}g}"
+    return f"{float(rounded):.0f}" if 1 <= abs(value) < MOST_WRITTEN_OUT and "e" in rounded else rounded
 
 
 def percent(share):
-    return "unknown" if share is None else f"{100 * share:.2g} %"
+    return "unknown" if share is None else f"{number(100 * share, 2)} %"
 
 
 def row(cells, heading=False):
