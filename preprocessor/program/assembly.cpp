@@ -107,8 +107,16 @@ std::string run_text(const Settings& s, const std::vector<Member>& members, cons
       "#   igasolve eigen run.toml --modes 10 -o modes.h5\n#   igasolve static run.toml -o static.h5\n",
       s.input.filename().string());
   if (length_unit != "unspecified") text += fmt::format("units = {}\n", io::json(length_unit));
+  // Materials have names in millimetres and metres.
+  const bool named = length_unit == "mm" || length_unit == "m";
+  const char* const numbers = "{ E = …, nu = …, rho = … }";
   text +=
-      "#material = \"steel\"   # of all bodies that have none of their own\n\n"
+      named
+          ? "#material = \"steel\"   # of all bodies that have none of their own\n\n"
+          : fmt::format("#material = {}   # of all bodies that have none of their own; names, such as \"steel\", need "
+                        "--length-unit mm or m\n\n",
+                        numbers);
+  text +=
       "# Surfaces that touch move together only where a tie joins them; this one joins all that meet. bodies = [\"a\", "
       "\"b\"],\n"
       "# first and second choose some, tolerance (a length) is the largest gap: 1 % of a span where it is not given.\n"
@@ -117,7 +125,8 @@ std::string run_text(const Settings& s, const std::vector<Member>& members, cons
     for (const CadPlace& place : member.places) {
       text += fmt::format("\n[[bodies]]\nname = {}\nmodel = {}\n", io::json(place.name), io::json(member.file));
       text += place_text(place);
-      text += "#material = { name = \"steel\" }   # or { E = …, nu = …, rho = … }\n";
+      text += named ? fmt::format("#material = {{ name = \"steel\" }}   # or {}\n", numbers)
+                    : fmt::format("#material = {}\n", numbers);
     }
   return text;
 }

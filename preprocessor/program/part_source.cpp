@@ -84,7 +84,7 @@ const CadSolid& choose_solid(const CadModel& cad, const Settings& s) {
   for (const CadSolid& solid : cad.solids) places += solid.places.size();
   throw InputError(
       fmt::format("{}: the file holds {} solids ({}{}); choose one with --solid NAME, write one model for each "
-                  "with -o folder/, or unite those that touch and are of one material with --merge",
+                  "(igaprep FILE -o folder/), or unite those that touch and are of one material with --merge",
                   s.input.string(), places, fmt::join(names_of(cad), ", "),
                   places > cad.solids.size() ? ", some at several places" : ""));
 }

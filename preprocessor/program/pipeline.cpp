@@ -267,8 +267,8 @@ PrepReport make_model(const Settings& s, const RunInfo& run, const PreparedSurfa
   model.quadrature = quadrature_info(s, trimming, leaks ? trimming.exact_volume : mesh_volume, quadrature.max_residual);
   model.functions.mass_fraction =
       stages.run("functions", [&] { return mass_fractions(model.grid, trimming, cells, model.points); });
-  model.surface =
-      stages.run("surface points", [&] { return make_embedded_surface(model.grid, surface.mesh, trimming, surface_rule_of(s)); });
+  model.surface = stages.run(
+      "surface points", [&] { return make_embedded_surface(model.grid, surface.mesh, trimming, surface_rule_of(s)); });
   trimming.pieces = {};
   model.surface.accepted_leak = leaks ? std::max(trimming.worst_leak, volume_tolerance) : 0;
   model.surface.bodies = surface.bodies;

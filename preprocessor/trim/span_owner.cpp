@@ -32,6 +32,22 @@ bool lies_in_grid_plane(std::span<const Point3> polygon) {
   return false;
 }
 
+// Does the box around a polygon lie farther away than `limit`?
+bool is_farther(std::span<const Point3> polygon, const Point3& xi, double limit) {
+  Point3 low = polygon[0], high = polygon[0];
+  for (const Point3& v : polygon)
+    for (std::size_t d = 0; d < 3; ++d) {
+      low[d] = std::min(low[d], v[d]);
+      high[d] = std::max(high[d], v[d]);
+    }
+  double squared = 0;
+  for (std::size_t d = 0; d < 3; ++d) {
+    const double off = std::max({low[d] - xi[d], xi[d] - high[d], 0.0});
+    squared += off * off;
+  }
+  return squared > limit * limit;
+}
+
 Point3 unit_normal(std::span<const Point3> polygon) {
   Point3 n{};
   for (std::size_t a = 1; a + 1 < polygon.size(); ++a) n = plus(n, twice_area(polygon[0], polygon[a], polygon[a + 1]));
@@ -138,11 +154,32 @@ bool SpanOwner::is_left_out(std::int64_t polygon) const {
   return std::binary_search(trimming_.left_out_polygons.begin(), trimming_.left_out_polygons.end(), polygon);
 }
 
+// A vertex of the surface within a span, not on its faces, lies on polygons of that span.
+bool SpanOwner::lies_within(std::int64_t span, const Point3& xi) const {
+  const Index3 ijk = grid_.span_index(span);
+  for (std::size_t d = 0; d < 3; ++d) {
+    const double t = xi[d] - static_cast<double>(ijk[d]);
+    if (!(t > same_distance && t < 1 - same_distance)) return false;
+  }
+  return true;
+}
+
+// The cell that all polygons of an entry belong to; -1 where some were left out.
+std::int64_t SpanOwner::whole_entry(std::int64_t touched) const {
+  const auto& out = trimming_.left_out_polygons;
+  const auto next =
+      std::lower_bound(out.begin(), out.end(), trimming_.pieces.offsets[static_cast<std::size_t>(touched)]);
+  if (next != out.end() && *next < trimming_.pieces.offsets[static_cast<std::size_t>(touched) + 1]) return -1;
+  return cell_of_entry(touched);
+}
+
 // The cell on whose surface or in whose solid a place of a closed active span lies; -1 where it lies in a gap or in a
 // piece left out. The nearest surface in the span tells: a span is convex, so nothing lies between.
 std::int64_t SpanOwner::cell_at(std::int64_t span, const Point3& xi, const Point3& normal) const {
   const SurfacePieces& pieces = trimming_.pieces;
   const auto [first, last] = std::equal_range(pieces.spans.begin(), pieces.spans.end(), span);
+  if (last - first == 1 && lies_within(span, xi))
+    if (const std::int64_t only = whole_entry(first - pieces.spans.begin()); only >= 0) return only;
   struct Side {
     double distance = std::numeric_limits<double>::infinity();
     double height = 0; ///< of the place above the polygon's plane
@@ -156,7 +193,8 @@ std::int64_t SpanOwner::cell_at(std::int64_t span, const Point3& xi, const Point
     for (std::int64_t q = pieces.offsets[static_cast<std::size_t>(t)];
          q < pieces.offsets[static_cast<std::size_t>(t) + 1]; ++q) {
       const auto polygon = pieces.polygon(q);
-      if (polygon.size() < 3 || lies_in_grid_plane(polygon)) continue;
+      if (polygon.size() < 3 || is_farther(polygon, xi, best.distance + same_distance) || lies_in_grid_plane(polygon))
+        continue;
       const double distance = distance_to_polygon(polygon, xi);
       if (distance > best.distance + same_distance) continue;
       const Point3 n = unit_normal(polygon);

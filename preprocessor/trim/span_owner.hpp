@@ -41,6 +41,8 @@ class SpanOwner {
   std::pair<std::int64_t, std::int64_t> cells_of(std::int64_t span) const;
   std::int64_t cell_of_entry(std::int64_t touched) const;
   bool is_left_out(std::int64_t polygon) const;
+  bool lies_within(std::int64_t span, const Point3& xi) const;
+  std::int64_t whole_entry(std::int64_t touched) const;
   std::int64_t cell_at(std::int64_t span, const Point3& xi, const Point3& normal) const;
   std::int64_t cell_in(std::int64_t span, const Point3& xi, const Point3& normal) const;
 

@@ -48,7 +48,7 @@ struct MaterialPlace {
 
 MaterialPlace place_of_material(const TypedBody& body) {
   return {fmt::format("{}: material of body '{}'", body.file.where, body.file.name),
-          "rho in its material, or in [material]",
+          "rho in its material or in [material], or a name: material = \"steel\"",
           "E and nu, a name, or a matrix C, in its material, or in [material]"};
 }
 

@@ -192,8 +192,9 @@ class Residuals {
     return energy;
   }
 
-  // Beside the end of a gap fields are continuous, not smooth, from cell to cell: half the jump of their traction counts
-  // for either one. How much of a face is solid is not in the model; as much as in the emptier of its two cells is taken.
+  // Beside the end of a gap fields are continuous, not smooth, from cell to cell: half the jump of their traction
+  // counts for either one. How much of a face is solid is not in the model; as much as in the emptier of its two cells
+  // is taken.
   void add_jumps(std::vector<MatrixXd>& residuals) const {
     SpanShapes shapes;
     for (std::size_t link = 0; link < model_.links.size(); ++link) {
@@ -227,7 +228,8 @@ class Residuals {
   Eigen::MatrixX3d face_points(std::size_t d, std::vector<double>& weights) const {
     const std::size_t u = (d + 1) % 3, v = (d + 2) % 3;
     const Point3 h = grid_.span_size();
-    const Eigen::MatrixX2d first = gauss_rule(grid_.degree()[u] + orders), second = gauss_rule(grid_.degree()[v] + orders);
+    const Eigen::MatrixX2d first = gauss_rule(grid_.degree()[u] + orders),
+                           second = gauss_rule(grid_.degree()[v] + orders);
     Eigen::MatrixX3d xi(first.rows() * second.rows(), 3);
     for (Index q = 0; q < xi.rows(); ++q) {
       const Index i = q % first.rows(), j = q / first.rows();

@@ -37,10 +37,10 @@ struct ResidualProblem {
 /// whole spans A is block diagonal and the sum is, to leading order, the energy of the error of smooth fields. In
 /// trimmed cells A counts the share of the span that is filled, at least `least_share`: functions reach into the
 /// neighbours. After the residual-based estimate in enriched spaces of Coradello, Antolin, Vázquez, Buffa (2020).
-/// Beside the ends of gaps, where fields are continuous only, half the jump of the traction between two cells counts for
-/// either. Singular fields at sharp re-entrant edges have two to four times the error that is found.
-/// The volume's part is taken in strong form: points that are exact for low degrees only do for it, since the residual
-/// is small everywhere, and linear fields have none.
+/// Beside the ends of gaps, where fields are continuous only, half the jump of the traction between two cells counts
+/// for either. Singular fields at sharp re-entrant edges have two to four times the error that is found. The volume's
+/// part is taken in strong form: points that are exact for low degrees only do for it, since the residual is small
+/// everywhere, and linear fields have none.
 Eigen::MatrixXd residual_energy(const ResidualProblem& problem);
 
 } // namespace iga::solve

@@ -115,8 +115,8 @@ NamedMaterial find_material(const std::string& name, const std::optional<std::fi
   for (std::string& word : known) word = lower(word);
   const auto near = io::nearest_name(lower(name), known);
   throw InputError(fmt::format(
-      "material: there is no \"{}\" in {}{}; it has {} (and other names of these); or give E, nu and rho as numbers",
-      name, file ? file->string() : "the table of materials", near ? fmt::format(", did you mean \"{}\"?", *near) : "",
+      "material: there is no \"{}\" in {}{}; there are {} (and other names of these); or give E, nu and rho as numbers",
+      name, file ? file->string() : "the table of materials", near ? fmt::format("; did you mean \"{}\"", *near) : "",
       fmt::join(titles, ", ")));
 }
 

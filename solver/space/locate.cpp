@@ -66,7 +66,11 @@ double smallest(const Point3& h) {
   return *std::min_element(h.begin(), h.end());
 }
 
-std::string text(const Point3& x) {
+// What is far below the size of the part is rounding: 0.
+std::string text(Point3 x, const Box3& part) {
+  const double smallest_said = 1e-12 * norm(minus(part.upper, part.lower));
+  for (double& c : x)
+    if (std::abs(c) < smallest_said) c = 0;
   return fmt::format("({:.6g})", fmt::join(x, ", "));
 }
 
@@ -118,12 +122,12 @@ std::int64_t Locator::cell_outside(const Point3& x, const std::string& what) con
   const double h = smallest(model_.grid.span_size());
   Nearest nearest;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) nearest.offer(t, way_to_triangle(mesh, t, x));
+  const Box3 box = bounding_box(mesh);
   if (nearest.distance > outside_allowance * h) {
-    const Box3 box = bounding_box(mesh);
     throw InputError(fmt::format(
         "{}: the position {} lies outside the part, {:.4g} from its surface; the part lies between {} and {}: choose a "
         "position in it or on its surface",
-        what, text(x), nearest.distance, text(box.lower), text(box.upper)));
+        what, text(x, box), nearest.distance, text(box.lower, box), text(box.upper, box)));
   }
   const auto owner = [&] {
     return surface_.find(nearest.triangle, model_.grid.to_parameter(plus(x, nearest.way))).cell;
@@ -139,8 +143,8 @@ std::int64_t Locator::cell_outside(const Point3& x, const std::string& what) con
     throw InputError(fmt::format("{}: the position {} lies in a gap of {:.4g} between two walls, {:.4g} from one at {} "
                                  "and {:.4g} from the other "
                                  "at {}: choose a position in one of them or on its surface",
-                                 what, text(x), width, nearest.distance, text(plus(x, nearest.way)), opposite.distance,
-                                 text(plus(x, opposite.way))));
+                                 what, text(x, box), width, nearest.distance, text(plus(x, nearest.way), box),
+                                 opposite.distance, text(plus(x, opposite.way), box)));
   return owner();
 }
 

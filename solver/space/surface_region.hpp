@@ -49,8 +49,8 @@ struct RegionReport {
 };
 
 /// Quadrature points of a choice, cell by cell. Triangles that lie in it as a whole bring the model's own points where
-/// these are exact for products of functions; those that a box or a plane cuts get new ones on what is left of them: area and centroid are exact. A corner that lies
-/// within the model's surface_depth of a plane counts as lying in it.
+/// these are exact for products of functions; those that a box or a plane cuts get new ones on what is left of them:
+/// area and centroid are exact. A corner that lies within the model's surface_depth of a plane counts as lying in it.
 struct SurfaceRegion {
   RegionReport report;
   std::vector<std::int64_t> cells;     ///< (m) that own chosen points, ascending

@@ -98,14 +98,14 @@ void merge(LoadedCad& cad, const std::string& file, double length) {
   if (!fuse.IsDone() || fuse.HasErrors())
     throw InputError(
         fmt::format("{}: OpenCASCADE cannot unite the {} solids; unite them in CAD, or write one model for "
-                    "each (-o folder/)",
+                    "each (igaprep FILE -o folder/)",
                     file, count));
   TopTools_IndexedMapOfShape solids;
   TopExp::MapShapes(fuse.Shape(), TopAbs_SOLID, solids);
   if (solids.Extent() != 1)
     throw InputError(
         fmt::format("{}: {} solids became {} when they were united, so not all of them touch; leave --merge "
-                    "out and write one model for each (-o folder/)",
+                    "out and write one model for each (igaprep FILE -o folder/)",
                     file, count, solids.Extent()));
   for (const TopoDS_Shape& solid : all)
     carry_labels(cad, solid, [&](const TopoDS_Shape& part) { return fuse.Modified(part); });
