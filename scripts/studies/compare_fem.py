@@ -231,9 +231,9 @@ def main(words=None):
             raise ComparisonError(f"{options.stl}: no such file; the foam part comes from the target sample_parts")
         options.output.mkdir(parents=True, exist_ok=True)
         options.output = options.output.resolve()
-        results, failed = all_runs(options, stored_results(options))
-        write_json(options, results)
-        results = with_corrected(results)
+        measured, failed = all_runs(options, stored_results(options))
+        write_json(options, measured)
+        results = with_corrected(measured)
         reference = comparison_report.finest_quadratic(results)
         if reference is None:
             print("no 10-node solution to compare with: frequencies alone are in comparison.json", file=sys.stderr)
@@ -245,6 +245,7 @@ def main(words=None):
         (options.output / "comparison.txt").write_text(text)
         comparison_report.write_csv(options.output / "frequencies.csv", results)
         comparison_report.draw(options.output / "comparison.png", results, reference)
+        write_json(options, measured)
         return 1 if failed else 0
     except ComparisonError as error:
         print(f"compare_fem.py: {error}", file=sys.stderr)

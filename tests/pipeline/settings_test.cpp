@@ -250,6 +250,7 @@ const std::map<std::string, Sample>& samples() {
                                                  {"gap_ends", {"\"glued\"", {}}},
                                                  {"interior", {"\"gauss\"", {}}},
                                                  {"trimmed", {"\"nnls\"", {}}},
+                                                 {"surface_rule", {"\"centroid\"", {}}},
                                                  {"moment_degree", {"\"2p\"", {}}},
                                                  {"tolerance", {"1e-9", {}}},
                                                  {"rank_bound", {"true", {}}}};
@@ -345,6 +346,7 @@ min_fraction = 0
 gap_ends = split
 interior = ggq
 trimmed = minimal
+surface_rule = exact
 moment_degree = 2 2 2
 tolerance = 1e-10
 rank_bound = false

@@ -111,11 +111,15 @@ class CubeTest(unittest.TestCase):
             self.assertEqual(runs["C3D10", "0.2"]["points"], 4 * runs["C3D4", "0.2"]["points"])
             self.assertEqual(runs["C3D10", "0.2"]["max_error"], 0)
             self.assertIn("reference", done.stdout)
-            self.assertEqual(len(list(csv.reader((out / "frequencies.csv").read_text().splitlines()))), 1 + len(runs))
+            self.assertEqual(len(list(csv.reader((out / "frequencies.csv").read_text().splitlines()))), 2 + len(runs))  # p2c too
+            splines = runs["p2", "0.25"]
+            exact = CUBE_FREQUENCIES[:10] / (2 * np.pi)
+            off = {key: np.abs(np.array(splines[key]) / exact - 1).mean() for key in ("frequencies", "corrected")}
+            self.assertLess(off["corrected"], 0.5 * off["frequencies"])
             self.assertTrue((out / "comparison.png").exists())
             again = subprocess.run([SCRIPT, *words, "--reuse", "all"], capture_output=True, text=True)
             self.assertEqual(again.returncode, 0, again.stderr)
-            self.assertEqual(again.stdout.count("(reused)"), len(runs))
+            self.assertEqual(again.stdout.count("(reused)"), 1 + len(runs))
             other = subprocess.run([SCRIPT, *words, "--reuse", "all", "--E", "3"], capture_output=True, text=True)
             self.assertEqual(other.returncode, 2)
             self.assertIn("another part, material", other.stderr)
