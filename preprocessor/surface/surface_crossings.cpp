@@ -1,6 +1,7 @@
 #include "preprocessor/surface/surface_crossings.hpp"
 
-#include <CGAL/box_intersection_d.h>
+#include "format/model/triangle_tree.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -115,39 +116,63 @@ void make_distinct(std::vector<Pair>& pairs) {
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
 }
 
-} // namespace
-
-Crossings find_crossings(const TriangleMesh& mesh, const Shells& shells, double tolerance) {
-  using Box = CGAL::Box_intersection_d::Box_with_info_d<double, 3, std::int32_t>;
-  const Index n = mesh.triangles.size();
-  const Box3 whole = bounding_box(mesh);
-  const Point3 centre = plus(whole.lower, times(minus(whole.upper, whole.lower), 0.5));
-  std::vector<Facet> facets(n);
-  std::vector<Box> boxes;
-  boxes.reserve(n);
-  for (Index t = 0; t < n; ++t) {
+// Facets about the middle of the part.
+std::vector<Facet> make_facets(const TriangleMesh& mesh, const Point3& centre) {
+  std::vector<Facet> facets(mesh.triangles.size());
+  tbb::parallel_for(Index{0}, facets.size(), [&](Index t) {
     Facet& f = facets[t];
     for (Index i = 0; i < 3; ++i) f.p[i] = minus(corner(mesh, t, i), centre);
     const Point3 area = cross(minus(f.p[1], f.p[0]), minus(f.p[2], f.p[0]));
     const double length = norm(area);
     f.normal = length > 0 ? times(area, 1 / length) : Point3{};
-    if (length == 0) continue;
-    Point3 lower = f.p[0], upper = f.p[0];
-    for (const Point3& x : f.p)
-      for (Index d = 0; d < 3; ++d) {
-        lower[d] = std::min(lower[d], x[d]);
-        upper[d] = std::max(upper[d], x[d]);
-      }
-    boxes.emplace_back(CGAL::Bbox_3(lower[0], lower[1], lower[2], upper[0], upper[1], upper[2]),
-                       static_cast<std::int32_t>(t));
-  }
-  std::vector<Pair> candidates;
-  CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), [&](const Box& a, const Box& b) {
-    const std::int32_t s = a.info(), t = b.info();
-    if (shared_vertices(mesh.triangles[static_cast<Index>(s)], mesh.triangles[static_cast<Index>(t)]) < 2)
-      candidates.emplace_back(std::min(s, t), std::max(s, t));
   });
-  std::sort(candidates.begin(), candidates.end());
+  return facets;
+}
+
+Box3 box_of(const TriangleMesh& mesh, Index t) {
+  Box3 box{corner(mesh, t, 0), corner(mesh, t, 0)};
+  for (Index i = 1; i < 3; ++i)
+    for (Index d = 0; d < 3; ++d) {
+      box.lower[d] = std::min(box.lower[d], corner(mesh, t, i)[d]);
+      box.upper[d] = std::max(box.upper[d], corner(mesh, t, i)[d]);
+    }
+  return box;
+}
+
+bool meet(const Box3& a, const Box3& b) {
+  for (Index d = 0; d < 3; ++d)
+    if (a.lower[d] > b.upper[d] || b.lower[d] > a.upper[d]) return false;
+  return true;
+}
+
+/// Pairs of facets with area whose boxes meet and that share no edge, ascending.
+std::vector<Pair> near_pairs(const TriangleMesh& mesh, const std::vector<Facet>& facets) {
+  const TriangleTree tree(mesh);
+  std::vector<Box3> boxes(facets.size());
+  tbb::parallel_for(Index{0}, facets.size(), [&](Index t) { boxes[t] = box_of(mesh, t); });
+  std::vector<std::vector<std::int32_t>> later(facets.size()); // of each facet, those with higher numbers
+  tbb::parallel_for(Index{0}, facets.size(), [&](Index s) {
+    if (facets[s].normal == Point3{}) return;
+    tree.each_in_box(boxes[s], [&](Index t) {
+      if (t > s && meet(boxes[s], boxes[t]) && facets[t].normal != Point3{} &&
+          shared_vertices(mesh.triangles[s], mesh.triangles[t]) < 2)
+        later[s].push_back(static_cast<std::int32_t>(t));
+    });
+    std::sort(later[s].begin(), later[s].end());
+  });
+  std::vector<Pair> pairs;
+  for (Index s = 0; s < later.size(); ++s)
+    for (const std::int32_t t : later[s]) pairs.emplace_back(static_cast<std::int32_t>(s), t);
+  return pairs;
+}
+
+} // namespace
+
+Crossings find_crossings(const TriangleMesh& mesh, const Shells& shells, double tolerance) {
+  const Box3 whole = bounding_box(mesh);
+  const Point3 centre = plus(whole.lower, times(minus(whole.upper, whole.lower), 0.5));
+  const std::vector<Facet> facets = make_facets(mesh, centre);
+  const std::vector<Pair> candidates = near_pairs(mesh, facets);
   std::vector<Depth> depths(candidates.size());
   tbb::parallel_for(Index{0}, candidates.size(), [&](Index i) {
     const auto [s, t] = candidates[i];
