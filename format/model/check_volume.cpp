@@ -71,8 +71,8 @@ bool info_fits(const TrimmedModel& m, int limit, std::vector<std::string>& probl
     kind.add("interior_rule is '{}', expected gauss, ggq, ggq-reduced or ggq-reduced2", q.interior_rule);
   if (q.trimmed_rule != "nnls" && q.trimmed_rule != "minimal")
     kind.add("trimmed_rule is '{}', expected nnls or minimal", q.trimmed_rule);
-  if (q.surface_rule != "exact" && q.surface_rule != "centroid")
-    kind.add("surface_rule is '{}', expected exact or centroid", q.surface_rule);
+  if (q.surface_rule != "exact" && q.surface_rule != "reduced")
+    kind.add("surface_rule is '{}', expected exact or reduced", q.surface_rule);
   for (const int d : q.moment_degree)
     if (d < 0 || d > 2 * max_degree) kind.add("moment_degree holds {}, expected 0 … {}", d, 2 * max_degree);
   if (q.snapped_spans < 0 || q.dropped_spans < 0)

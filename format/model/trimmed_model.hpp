@@ -68,7 +68,7 @@ struct IntegrationPoints {
 struct QuadratureInfo {
   std::string interior_rule = "gauss"; ///< gauss | ggq | ggq-reduced | ggq-reduced2
   std::string trimmed_rule = "nnls";   ///< nnls | minimal
-  std::string surface_rule = "exact";  ///< exact (for products of functions) | centroid (one point a piece of a facet)
+  std::string surface_rule = "exact";  ///< exact (for products of functions) | reduced (fewer points on small facets)
   std::array<int, 3> moment_degree{2, 2, 2};
   double tolerance = 1e-10; ///< bound on every residual
   double max_residual = 0;

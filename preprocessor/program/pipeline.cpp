@@ -114,7 +114,7 @@ void append(std::vector<std::string>& to, const std::vector<std::string>& from) 
 }
 
 SurfaceRule surface_rule_of(const Settings& s) {
-  return s.quadrature.surface_rule == "centroid" ? SurfaceRule::Centroid : SurfaceRule::Exact;
+  return s.quadrature.surface_rule == "reduced" ? SurfaceRule::Reduced : SurfaceRule::Exact;
 }
 
 QuadratureInfo quadrature_info(const Settings& s, const Trimming& trimming, double part_volume, double max_residual) {

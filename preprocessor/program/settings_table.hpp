@@ -189,8 +189,8 @@ template <class Visit> void each_setting(Visit&& visit) {
                            "degree 2, above it nnls]"});
   visit(Setting<std::string>{"quadrature", "surface_rule", &T::surface_rule,
                              [](C& c, const S& s) { c.line("surface_rule", s.quadrature.surface_rule); }, "RULE",
-                             "Points on the surface: exact, or centroid: one for each piece of a facet, which igasolve "
-                             "makes exact where supports and loads act [exact]"});
+                             "Points on the surface: exact, or reduced: fewer on facets that are small beside the "
+                             "spans, which igasolve makes exact where supports and loads act [exact]"});
   visit(Setting<WordOrIntegers>{"quadrature", "moment_degree", &T::moment_degree,
                                 [](C& c, const S& s) { c.list("moment_degree", s.quadrature.moment_degree); },
                                 "Q [Q Q]", "Moments kept on trimmed spans: p, 2p or numbers [p]", one_or_three});

@@ -13,7 +13,7 @@ namespace iga::prep {
 struct QuadratureOptions {
   std::string interior_rule = "gauss"; ///< gauss | ggq | ggq-reduced | ggq-reduced2
   std::string trimmed_rule = "nnls";   ///< nnls | minimal
-  std::string surface_rule = "exact";  ///< exact | centroid
+  std::string surface_rule = "exact";  ///< exact | reduced
   std::array<int, 3> moment_degree{2, 2, 2};
   double tolerance = 1e-10; ///< on the relative moment residual of every span
   /// Of the minimal rule: at least as many points in a span as the rank of its own stiffness asks for (a span that the

@@ -44,12 +44,44 @@ Facet make_facet(const SplineGrid& grid, const TriangleMesh& mesh, std::int32_t 
 }
 
 /// Rules for the parts that a piece is cut into, all exact to the same total degree; none for one point a piece.
-struct PieceRules {
+struct PartRules {
   std::span<const TrianglePoint> triangle;
   const LineRule* line; ///< both ways over a quadrilateral: the bilinear map's Jacobian adds one degree
 
-  PieceRules() : line(nullptr) {}
-  explicit PieceRules(int degree) : triangle(triangle_rule(degree)), line(&gauss_legendre((degree + 3) / 2)) {}
+  PartRules() : line(nullptr) {}
+  explicit PartRules(int degree) : triangle(triangle_rule(degree)), line(&gauss_legendre((degree + 3) / 2)) {}
+};
+
+// Reduced rules: one point on pieces up to a quarter of a span wide, exact to this degree on those up to this width.
+// What varies as fast as functions do within a span is then integrated to a few per cent.
+constexpr double one_point_width = 0.25, some_points_width = 0.6;
+constexpr int some_points_degree = 4;
+
+// Largest extent along an axis, in spans.
+double width_of(std::span<const Point3> polygon) {
+  Point3 low = polygon[0], high = polygon[0];
+  for (const Point3& v : polygon)
+    for (std::size_t d = 0; d < 3; ++d) {
+      low[d] = std::min(low[d], v[d]);
+      high[d] = std::max(high[d], v[d]);
+    }
+  return std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
+}
+
+/// Rules of pieces by their width.
+class PieceRules {
+ public:
+  PieceRules(SurfaceRule rule, int degree) : rule_(rule), some_(std::min(some_points_degree, degree)), exact_(degree) {}
+
+  const PartRules& of(std::span<const Point3> polygon) const {
+    if (rule_ == SurfaceRule::Exact) return exact_;
+    const double width = width_of(polygon);
+    return width <= one_point_width ? one_ : width <= some_points_width ? some_ : exact_;
+  }
+
+ private:
+  SurfaceRule rule_;
+  PartRules one_, some_, exact_;
 };
 
 /// A piece seen from its first vertex: areas of the fan's triangles (length²).
@@ -118,9 +150,10 @@ template <class Use> void for_centroid(std::span<const Point3> polygon, const Pi
 /// Calls use(xi, weight) for the points of a piece: its fan taken two triangles at a time (a quadrilateral needs fewer
 /// points than two triangles), a single one where the number is odd or a neighbour has no area.
 template <class Use>
-void for_each_point(std::span<const Point3> polygon, const Facet& facet, const Point3& h, const PieceRules& rules,
+void for_each_point(std::span<const Point3> polygon, const Facet& facet, const Point3& h, const PieceRules& of_pieces,
                     Use&& use) {
   const PieceAreas areas(polygon, facet, h);
+  const PartRules& rules = of_pieces.of(polygon);
   if (!rules.line) return for_centroid(polygon, areas, use);
   for (std::size_t a = 1; a + 1 < polygon.size(); ++a) {
     const double area = areas.triangle(0, a, a + 1);
@@ -170,8 +203,7 @@ SurfacePoints make_points(const SplineGrid& grid, const TriangleMesh& mesh, cons
                           const SpanOwner& owner, SurfaceRule rule) {
   const SurfacePieces& pieces = trimming.pieces;
   const auto degree = grid.degree();
-  const PieceRules rules =
-      rule == SurfaceRule::Exact ? PieceRules(3 * *std::max_element(degree.begin(), degree.end())) : PieceRules();
+  const PieceRules rules(rule, 3 * *std::max_element(degree.begin(), degree.end()));
   const Point3 h = grid.span_size();
   const auto num_pieces = static_cast<std::size_t>(pieces.num_pieces());
   const tbb::blocked_range<std::size_t> all(0, num_pieces, pieces_per_task);

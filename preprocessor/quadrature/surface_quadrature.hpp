@@ -7,8 +7,9 @@
 namespace iga::prep {
 
 enum class SurfaceRule {
-  Exact,    ///< to total degree 3 max(p) on every piece of the surface
-  Centroid, ///< one point a piece, exact to degree 1: what areas, normals and volumes need
+  Exact,   ///< to total degree 3 max(p) on every piece of the surface
+  Reduced, ///< fewer points on pieces that are small beside a span, down to one; exact to degree 1 at least: areas,
+           ///< normals and volumes are
 };
 
 /// Points exact for the rule's degree on every piece of the surface, positive weights; every piece and every vertex

@@ -204,8 +204,8 @@ def parse(words):
     parser.add_argument("--nu", type=float, default=0.3, help="Poisson's ratio [0.3]")
     parser.add_argument("--rho", type=float, default=6e-11, help="density [6e-11]")
     parser.add_argument("--threads", type=int, default=1, help="threads of every program [1]")
-    parser.add_argument("--igaprep", type=shlex.split, default=["--trimmed", "nnls", "--surface-rule", "centroid"], metavar="WORDS",
-                        help="more words for igaprep, after a = [--trimmed nnls --surface-rule centroid, as iga modes: what one "
+    parser.add_argument("--igaprep", type=shlex.split, default=["--trimmed", "nnls", "--surface-rule", "reduced"], metavar="WORDS",
+                        help="more words for igaprep, after a = [--trimmed nnls --surface-rule reduced, as iga modes: what one "
                              "solution of a free part wants]")
     parser.add_argument("--igasolve", type=shlex.split, default=["--no-sturm"], metavar="WORDS",
                         help="more words for igasolve eigen, after a = [--no-sturm: CalculiX proves no completeness either]")

@@ -51,10 +51,10 @@ def richardson(results):
 
 
 def time_at_error(runs, error, key):
-    """Time of a method at a mean error, by straight lines between its runs in a doubly logarithmic plot; None outside."""
-    points = sorted((run["mean_error"], run[key]) for run in runs if run["mean_error"] > 0)
-    for (e1, t1), (e2, t2) in zip(points, points[1:]):
-        if e1 <= error <= e2:
+    """Shortest time of a method to a mean error, by straight lines between its runs in a doubly logarithmic plot; None outside."""
+    points = sorted((run[key], run["mean_error"]) for run in runs if run["mean_error"] > 0)
+    for (t1, e1), (t2, e2) in zip(points, points[1:]):
+        if e2 <= error <= e1:
             share = math.log(error / e1) / math.log(e2 / e1)
             return math.exp((1 - share) * math.log(t1) + share * math.log(t2))
     return None

@@ -250,7 +250,7 @@ const std::map<std::string, Sample>& samples() {
                                                  {"gap_ends", {"\"glued\"", {}}},
                                                  {"interior", {"\"gauss\"", {}}},
                                                  {"trimmed", {"\"nnls\"", {}}},
-                                                 {"surface_rule", {"\"centroid\"", {}}},
+                                                 {"surface_rule", {"\"reduced\"", {}}},
                                                  {"moment_degree", {"\"2p\"", {}}},
                                                  {"tolerance", {"1e-9", {}}},
                                                  {"rank_bound", {"true", {}}}};

@@ -31,7 +31,7 @@ TrimmedModel make_part(const TriangleMesh& mesh, const SplineGrid& grid, int mom
   model.quadrature.surface_rule = surface_rule;
   model.surface = prep::make_embedded_surface(grid, mesh, trimming,
                                               model.quadrature.surface_rule == "exact" ? prep::SurfaceRule::Exact
-                                                                                       : prep::SurfaceRule::Centroid);
+                                                                                       : prep::SurfaceRule::Reduced);
   prep::place_cells(std::move(trimming), std::move(cells), model);
   return model;
 }

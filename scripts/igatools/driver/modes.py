@@ -33,7 +33,7 @@ def vertex_weights(model):
 
 class ModesRun(GridRun):
     COMMAND, ANALYSIS = "modes", "eigen"
-    PREP = (*GridRun.PREP, "--surface-rule", "centroid")  # igasolve makes it exact where supports act
+    PREP = (*GridRun.PREP, "--surface-rule", "reduced")  # igasolve makes it exact where supports act
 
     def __init__(self, programs, options):
         super().__init__(programs, options)
