@@ -24,17 +24,12 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import error_parts  # noqa: E402
 from igatools import ROOT, iga_model, iga_results  # noqa: E402
 from igatools.driver import estimate, singular  # noqa: E402
+from igatools.driver.modes import vertex_weights  # noqa: E402
 from igatools.measured_run import RunError, report  # noqa: E402
 
 MATERIAL = ["--E", 210, "--nu", 0.3, "--rho", 7.85e-6]
 REFINEMENT = 1.5
 SPARE = 4  # modes beyond those that are judged
-
-
-def vertex_weights(model):
-    corners = model["/surface/vertices"][model["/surface/triangles"]]
-    area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    return np.bincount(model["/surface/triangles"].ravel(), np.repeat(area / 3, 3), len(model["/surface/vertices"]))
 
 
 class PartStudy:
