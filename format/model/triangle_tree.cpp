@@ -24,15 +24,6 @@ Point3 corner(const TriangleMesh& mesh, std::size_t triangle, std::size_t a) {
   return mesh.vertices[static_cast<std::size_t>(mesh.triangles[triangle][a])];
 }
 
-double squared_distance(const Box3& box, const Point3& x) {
-  double sum = 0;
-  for (std::size_t d = 0; d < 3; ++d) {
-    const double outside = std::max({box.lower[d] - x[d], x[d] - box.upper[d], 0.0});
-    sum += outside * outside;
-  }
-  return sum;
-}
-
 } // namespace
 
 TriangleTree::TriangleTree(const TriangleMesh& mesh) : mesh_(&mesh), items_(mesh.triangles.size()) {
@@ -48,15 +39,8 @@ TriangleTree::TriangleTree(const TriangleMesh& mesh) : mesh_(&mesh), items_(mesh
 }
 
 Box3 TriangleTree::box_of(std::size_t triangle) const {
-  Box3 box{corner(*mesh_, triangle, 0), corner(*mesh_, triangle, 0)};
-  for (std::size_t a = 1; a < 3; ++a) {
-    const Point3 x = corner(*mesh_, triangle, a);
-    for (std::size_t d = 0; d < 3; ++d) {
-      box.lower[d] = std::min(box.lower[d], x[d]);
-      box.upper[d] = std::max(box.upper[d], x[d]);
-    }
-  }
-  return box;
+  return bounding_box(
+      std::array{corner(*mesh_, triangle, 0), corner(*mesh_, triangle, 1), corner(*mesh_, triangle, 2)});
 }
 
 void TriangleTree::build(std::vector<Point3>& middles, std::size_t first, std::size_t last) {
@@ -111,12 +95,6 @@ bool TriangleTree::meets(const Box3& box, const Point3& from, const Point3& way)
     leave = std::min(leave, std::max(one, other));
   }
   return enter <= leave + unit;
-}
-
-bool TriangleTree::overlap(const Box3& a, const Box3& b) {
-  for (std::size_t d = 0; d < 3; ++d)
-    if (a.lower[d] > b.upper[d] || b.lower[d] > a.upper[d]) return false;
-  return true;
 }
 
 double TriangleTree::distance(const Point3& x) const {

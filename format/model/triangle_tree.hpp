@@ -1,6 +1,7 @@
 // A tree of boxes over the triangles of a surface: what lies on a way, and what lies near.
 #pragma once
 
+#include "format/model/box.hpp"
 #include "format/model/triangle_mesh.hpp"
 
 #include <optional>
@@ -33,7 +34,7 @@ class TriangleTree {
     }
   }
 
-  /// visit(triangle) for all triangles whose boxes meet the box.
+  /// visit(triangle) for all triangles whose boxes meet the box, and some beside them.
   template <class Visit> void each_in_box(const Box3& box, Visit&& visit) const {
     std::size_t node = 0;
     while (node < nodes_.size()) {
@@ -65,7 +66,6 @@ class TriangleTree {
     std::size_t second = 0;          ///< second child of an inner node; the first one follows its parent
   };
   static bool meets(const Box3& box, const Point3& from, const Point3& way);
-  static bool overlap(const Box3& a, const Box3& b);
   void build(std::vector<Point3>& middles, std::size_t first, std::size_t last);
   void search(std::size_t node, const Point3& x, double& reach, std::optional<NearestTriangle>& nearest) const;
   Box3 box_of(std::size_t triangle) const;

@@ -113,10 +113,6 @@ void append(std::vector<std::string>& to, const std::vector<std::string>& from) 
   to.insert(to.end(), from.begin(), from.end());
 }
 
-SurfaceRule surface_rule_of(const Settings& s) {
-  return s.quadrature.surface_rule == "reduced" ? SurfaceRule::Reduced : SurfaceRule::Exact;
-}
-
 QuadratureInfo quadrature_info(const Settings& s, const Trimming& trimming, double part_volume, double max_residual) {
   QuadratureInfo info;
   info.interior_rule = s.quadrature.interior_rule;
@@ -267,8 +263,9 @@ PrepReport make_model(const Settings& s, const RunInfo& run, const PreparedSurfa
   model.quadrature = quadrature_info(s, trimming, leaks ? trimming.exact_volume : mesh_volume, quadrature.max_residual);
   model.functions.mass_fraction =
       stages.run("functions", [&] { return mass_fractions(model.grid, trimming, cells, model.points); });
-  model.surface = stages.run(
-      "surface points", [&] { return make_embedded_surface(model.grid, surface.mesh, trimming, surface_rule_of(s)); });
+  model.surface = stages.run("surface points", [&] {
+    return make_embedded_surface(model.grid, surface.mesh, trimming, surface_rule(s.quadrature.surface_rule));
+  });
   trimming.pieces = {};
   model.surface.accepted_leak = leaks ? std::max(trimming.worst_leak, volume_tolerance) : 0;
   model.surface.bodies = surface.bodies;

@@ -4,6 +4,7 @@
 #include "format/model/errors.hpp"
 #include "format/model/span_state.hpp"
 #include "preprocessor/interior/interior_rules.hpp"
+#include "preprocessor/quadrature/surface_quadrature.hpp"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -19,8 +20,7 @@ void check_options(const QuadratureOptions& options) {
       throw InputError(fmt::format("moment degree {} is not supported; choose 1 … {}", q, max_moment_degree));
   if (options.trimmed_rule != "nnls" && options.trimmed_rule != "minimal")
     throw InputError(fmt::format("trimmed rule '{}' is not known; choose nnls or minimal", options.trimmed_rule));
-  if (options.surface_rule != "exact" && options.surface_rule != "reduced")
-    throw InputError(fmt::format("surface rule '{}' is not known; choose exact or reduced", options.surface_rule));
+  surface_rule(options.surface_rule);
 }
 
 QuadratureResult build_quadrature(const SplineGrid& grid, const Trimming& trimming, const QuadratureOptions& options) {

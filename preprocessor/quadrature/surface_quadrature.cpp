@@ -2,12 +2,14 @@
 // that the result is sorted by cell and does not depend on the number of threads.
 #include "preprocessor/quadrature/surface_quadrature.hpp"
 
+#include "format/model/box.hpp"
 #include "format/model/errors.hpp"
 #include "format/model/triangle_rule.hpp"
 #include "format/model/vec3.hpp"
 #include "preprocessor/base/gauss_rule.hpp"
 #include "preprocessor/trim/span_owner.hpp"
 
+#include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
@@ -59,12 +61,7 @@ constexpr int some_points_degree = 4;
 
 // Largest extent along an axis, in spans.
 double width_of(std::span<const Point3> polygon) {
-  Point3 low = polygon[0], high = polygon[0];
-  for (const Point3& v : polygon)
-    for (std::size_t d = 0; d < 3; ++d) {
-      low[d] = std::min(low[d], v[d]);
-      high[d] = std::max(high[d], v[d]);
-    }
+  const auto [low, high] = bounding_box(polygon);
   return std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
 }
 
@@ -261,6 +258,12 @@ std::vector<Point3> vertex_normals(const SplineGrid& grid, const TriangleMesh& m
 }
 
 } // namespace
+
+SurfaceRule surface_rule(const std::string& name) {
+  if (name == "exact") return SurfaceRule::Exact;
+  if (name == "reduced") return SurfaceRule::Reduced;
+  throw InputError(fmt::format("surface rule '{}' is not known; choose exact or reduced", name));
+}
 
 EmbeddedSurface make_embedded_surface(const SplineGrid& grid, const TriangleMesh& mesh, const Trimming& trimming,
                                       SurfaceRule rule) {

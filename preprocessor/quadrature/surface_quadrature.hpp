@@ -12,6 +12,9 @@ enum class SurfaceRule {
            ///< normals and volumes are
 };
 
+/// "exact" or "reduced". @throws InputError for other names
+SurfaceRule surface_rule(const std::string& name);
+
 /// Points exact for the rule's degree on every piece of the surface, positive weights; every piece and every vertex
 /// is owned by a cell: one in a grid plane goes to the neighbour on the material side, one of a piece left out or of a
 /// snapped or dropped span to the nearest cell that is reached through the solid, its parameters moved into that cell's

@@ -129,32 +129,18 @@ std::vector<Facet> make_facets(const TriangleMesh& mesh, const Point3& centre) {
   return facets;
 }
 
-Box3 box_of(const TriangleMesh& mesh, Index t) {
-  Box3 box{corner(mesh, t, 0), corner(mesh, t, 0)};
-  for (Index i = 1; i < 3; ++i)
-    for (Index d = 0; d < 3; ++d) {
-      box.lower[d] = std::min(box.lower[d], corner(mesh, t, i)[d]);
-      box.upper[d] = std::max(box.upper[d], corner(mesh, t, i)[d]);
-    }
-  return box;
-}
-
-bool meet(const Box3& a, const Box3& b) {
-  for (Index d = 0; d < 3; ++d)
-    if (a.lower[d] > b.upper[d] || b.lower[d] > a.upper[d]) return false;
-  return true;
-}
-
 /// Pairs of facets with area whose boxes meet and that share no edge, ascending.
 std::vector<Pair> near_pairs(const TriangleMesh& mesh, const std::vector<Facet>& facets) {
   const TriangleTree tree(mesh);
   std::vector<Box3> boxes(facets.size());
-  tbb::parallel_for(Index{0}, facets.size(), [&](Index t) { boxes[t] = box_of(mesh, t); });
+  tbb::parallel_for(Index{0}, facets.size(), [&](Index t) {
+    boxes[t] = bounding_box(Corners{corner(mesh, t, 0), corner(mesh, t, 1), corner(mesh, t, 2)});
+  });
   std::vector<std::vector<std::int32_t>> later(facets.size()); // of each facet, those with higher numbers
   tbb::parallel_for(Index{0}, facets.size(), [&](Index s) {
     if (facets[s].normal == Point3{}) return;
     tree.each_in_box(boxes[s], [&](Index t) {
-      if (t > s && meet(boxes[s], boxes[t]) && facets[t].normal != Point3{} &&
+      if (t > s && overlap(boxes[s], boxes[t]) && facets[t].normal != Point3{} &&
           shared_vertices(mesh.triangles[s], mesh.triangles[t]) < 2)
         later[s].push_back(static_cast<std::int32_t>(t));
     });

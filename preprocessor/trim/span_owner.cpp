@@ -1,5 +1,6 @@
 #include "preprocessor/trim/span_owner.hpp"
 
+#include "format/model/box.hpp"
 #include "format/model/span_state.hpp"
 #include "format/model/vec3.hpp"
 
@@ -34,18 +35,7 @@ bool lies_in_grid_plane(std::span<const Point3> polygon) {
 
 // Does the box around a polygon lie farther away than `limit`?
 bool is_farther(std::span<const Point3> polygon, const Point3& xi, double limit) {
-  Point3 low = polygon[0], high = polygon[0];
-  for (const Point3& v : polygon)
-    for (std::size_t d = 0; d < 3; ++d) {
-      low[d] = std::min(low[d], v[d]);
-      high[d] = std::max(high[d], v[d]);
-    }
-  double squared = 0;
-  for (std::size_t d = 0; d < 3; ++d) {
-    const double off = std::max({low[d] - xi[d], xi[d] - high[d], 0.0});
-    squared += off * off;
-  }
-  return squared > limit * limit;
+  return squared_distance(bounding_box(polygon), xi) > limit * limit;
 }
 
 Point3 unit_normal(std::span<const Point3> polygon) {

@@ -21,6 +21,7 @@ from igatools import iga_schema  # noqa: E402
 from igatools.iga_schema import FormatError, text_of as _text  # noqa: E402
 
 SCHEMA = iga_schema.load("model")
+INTERIOR, TRIMMED = (SCHEMA["enum"]["state"][name] for name in ("INTERIOR", "TRIMMED"))  # in /spans/state
 BLOCK = 100_000  # points whose basis values are held at a time
 
 

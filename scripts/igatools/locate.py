@@ -1,8 +1,9 @@
 """Which cell of a model a point in space belongs to: numpy alone."""
 import numpy as np
 
+from igatools.iga_model import INTERIOR, TRIMMED
+
 ROUNDING = 1e-9  # distances of no more than this, in spans, are rounding
-INTERIOR, TRIMMED = 1, 2  # in /spans/state
 ALLOWANCE = 0.05  # spans: how far outside the flat triangles a point on a round face may lie
 BLOCK = 4_000_000  # pairs of point and triangle that are looked at together
 

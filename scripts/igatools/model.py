@@ -5,14 +5,13 @@ from pathlib import Path
 import numpy as np
 
 from igatools import iga_model, vtk_files
-from igatools.iga_schema import text_of
 from igatools.labels import Labels
 from igatools.locate import Locator
 from igatools.tables import Table, write_tables
 
 # Corners of a span in the order of VTK's hexahedron.
 CORNERS = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)])
-STATES = {1: "interior", 2: "trimmed"}
+STATES = {iga_model.INTERIOR: "interior", iga_model.TRIMMED: "trimmed"}
 
 
 class Model(Labels, iga_model.Model):
@@ -59,7 +58,7 @@ class Model(Labels, iga_model.Model):
     @property
     def regions(self):
         """Names of the parts of the surface: list of str; model["/surface/region"] (m) says to which each triangle belongs."""
-        return [text_of(name) for name in self["/surface/regions"]]
+        return self.texts("/surface/regions")
 
     @property
     def num_cells(self):

@@ -17,8 +17,8 @@ from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
 
 from igatools.drawing import (PIXELS, actor_of, corners, grid_lines, moved, page, picture, text, triangle_mesh,
                               two_colours, with_normals)
+from igatools.iga_model import INTERIOR, TRIMMED
 
-INTERIOR, TRIMMED = 1, 2
 INTERIOR_COLOUR, TRIMMED_COLOUR = (0.16, 0.42, 0.66), (0.96, 0.65, 0.26)
 SURFACE_COLOUR, SECTION_COLOUR, LINE_COLOUR = (0.80, 0.82, 0.85), (0.64, 0.67, 0.71), (0.18, 0.20, 0.23)
 

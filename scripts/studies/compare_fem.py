@@ -30,6 +30,7 @@ import comparison_report  # noqa: E402
 from igatools import ROOT, calculix, tet_mesh  # noqa: E402
 from igatools.measured_run import RunError, measured_report, measured_run  # noqa: E402
 from igatools.stl import read_stl  # noqa: E402
+from igatools.whole_file import write_text  # noqa: E402
 
 QUICK = {"linear_sizes": ["28", "20"], "quadratic_sizes": ["28", "20"], "spans": [28.0], "degrees": [2]}
 SAMPLES_PER_SIZE = 6  # spacing of the STL's samples in a search for closest points, per target size
@@ -179,10 +180,8 @@ def machine():
 
 
 def write_json(options, results):
-    path = options.output / "comparison.json"
-    scratch = path.with_suffix(".json.new")
-    scratch.write_text(json.dumps({"conditions": conditions(options), "machine": machine(), "runs": results}, indent=1))
-    scratch.replace(path)
+    write_text(options.output / "comparison.json",
+               json.dumps({"conditions": conditions(options), "machine": machine(), "runs": results}, indent=1))
 
 
 # ------------------------------------------------------------------------------------------------------ the command line

@@ -24,7 +24,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import error_parts  # noqa: E402
 from igatools import ROOT, iga_model, iga_results  # noqa: E402
 from igatools.driver import estimate, singular  # noqa: E402
-from igatools.driver.modes import vertex_weights  # noqa: E402
+from igatools.driver.modes import modes_on_surface  # noqa: E402
 from igatools.measured_run import RunError, report  # noqa: E402
 
 MATERIAL = ["--E", 210, "--nu", 0.3, "--rho", 7.85e-6]
@@ -44,17 +44,13 @@ class PartStudy:
 
     def solve(self, size, degree, *words):
         model = self.folder / "model.h5"
-        prepared = self.prepare("model.h5", "--span-size", size, "--degree", degree, *self.chord, *words)
+        self.prepare("model.h5", "--span-size", size, "--degree", degree, *self.chord, *words)
         results = self.folder / "modes.h5"
         solved = report([self.o.bin / "igasolve", "eigen", model, "--modes", self.o.modes + SPARE, "-o", results, "--force",
                          "--errors", *MATERIAL, "--json"])
-        file, found = iga_model.read(model), iga_results.read(results)
-        elastic = found.elastic()
-        shapes = np.array([found.field(file, found["/modes"][mode], file["/surface/vertex_cell"],
-                                       file["/surface/vertex_parameters"]) for mode in elastic])
-        return {"size": size, "unknowns": solved["unknowns"], "frequencies": found["/frequencies"][elastic], "shapes": shapes,
-                "residual": np.array(solved["error_estimate"])[elastic], "weights": vertex_weights(file), "file": file,
-                "seconds": dict(solved["timings"]), "spans": prepared["grid"]["spans"]}
+        file = iga_model.read(model)
+        return {"size": size, "unknowns": solved["unknowns"], "file": file, "seconds": dict(solved["timings"]),
+                **modes_on_surface(file, iga_results.read(results), solved, self.o.modes + SPARE)}
 
     def run(self):
         self.chord = []
@@ -86,23 +82,17 @@ class PartStudy:
         finest = grids[-1]
         partner, _ = estimate.pair_modes(reference["frequencies"], reference["shapes"], finest["frequencies"], finest["shapes"],
                                          finest["weights"])
-        chains = [[m] for m in range(len(finest["frequencies"]))]
-        for level in range(len(grids) - 1, 0, -1):
-            to_coarse, _ = estimate.pair_modes(grids[level - 1]["frequencies"], grids[level - 1]["shapes"],
-                                               grids[level]["frequencies"], grids[level]["shapes"], grids[level]["weights"])
-            for chain in chains:
-                if len(chain) == len(grids) - level and to_coarse[chain[-1]] >= 0:
-                    chain.append(to_coarse[chain[-1]])
-        for m, chain in enumerate(chains[:self.o.modes]):
+        numbers, _ = estimate.follow_modes(grids)
+        for m, own_numbers in enumerate(numbers[:self.o.modes]):
             if partner[m] < 0:
                 continue
-            values = [grids[-1 - k]["frequencies"][number] for k, number in enumerate(chain)][::-1]
-            residuals = [grids[-1 - k]["residual"][number] for k, number in enumerate(chain)][::-1]
-            sizes = [grid["size"] for grid in grids[len(grids) - len(chain):]]
+            along = list(zip(grids[len(grids) - len(own_numbers):], own_numbers))
+            values, residuals = ([grid[key][number] for grid, number in along] for key in ("frequencies", "own_errors"))
+            sizes = [grid["size"] for grid, _ in along]
             exact = reference["frequencies"][partner[m]]
             told = estimate.relative_error(sizes, values, order).error
             yield {"level": len(grids), "mode": m, "frequency": values[-1], "true": values[-1] / exact - 1,
-                   "reference_error": reference["residual"][partner[m]], "grids": told, "residual": finest["residual"][m],
+                   "reference_error": reference["own_errors"][partner[m]], "grids": told, "residual": finest["own_errors"][m],
                    "sizes": sizes, "values": values, "residuals": residuals}
 
 

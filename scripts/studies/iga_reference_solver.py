@@ -23,7 +23,6 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from igatools import iga_model  # noqa: E402
 
-INTERIOR = iga_model.SCHEMA["enum"]["state"]["INTERIOR"]
 ENTRIES_PER_BLOCK = 20_000_000  # entries of cell matrices held at a time: about 0.6 GB
 BAND_LIMIT = 8 * 2**30  # bytes; a wider factor is refused
 RIGID = 1e-8  # an eigenvalue below this part of (pi c / L)^2 belongs to a rigid mode; round-off leaves about 1e-12
@@ -102,7 +101,7 @@ def assemble(model, C, rho):
             owners = np.repeat(spans[cell:cell + 1], len(w), axis=0)
             B = strain_operator(model.gradients_at(owners, u))
             k[row] = (B.reshape(-1, 3 * m).T @ (w[:, None, None] * (C @ B)).reshape(-1, 3 * m)).reshape(m, 3, m, 3)
-            if runs and state[cell] == INTERIOR:
+            if runs and state[cell] == iga_model.INTERIOR:
                 u, w = gauss_points(model, spans[cell])
                 owners = np.repeat(spans[cell:cell + 1], len(w), axis=0)
             N = model.functions_at(owners, u)[1]

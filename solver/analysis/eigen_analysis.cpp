@@ -17,8 +17,7 @@ namespace {
 // Why errors of modes cannot be estimated; empty where they can.
 std::string no_errors(const RunSettings& run, const BodySystem& system) {
   if (run.mass != MassType::Consistent) return "the estimate is that of the consistent mass";
-  if (!can_estimate(system)) return "at degree 1 the residual lies on the faces of the spans";
-  return "";
+  return no_field_errors(system);
 }
 
 void estimate_errors(const RunSettings& run, const EigenSettings& settings, const BoundSystem& bound,

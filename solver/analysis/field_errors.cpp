@@ -1,5 +1,6 @@
 #include "solver/analysis/field_errors.hpp"
 
+#include "solver/base/eigen_points.hpp"
 #include "solver/supports/support_rows.hpp"
 
 #include <algorithm>
@@ -14,32 +15,38 @@ BorneTraction held_by(const PreparedSupport& support) {
     const FixedDirections fixed = fixed_directions(support, normal, position);
     Eigen::Vector3d held = Eigen::Vector3d::Zero();
     for (std::size_t d = 0; d < static_cast<std::size_t>(fixed.count); ++d) {
-      const Eigen::Vector3d e(fixed.direction[d].data());
+      const Eigen::Vector3d e = as_vector(fixed.direction[d]);
       held += e.dot(own) * e;
     }
     return held;
   };
 }
 
+Eigen::Vector3d its_own(const Point3&, const Point3&, const Eigen::Vector3d& own) {
+  return own;
+}
+
+BorneTraction given_by(const SurfaceLoad& load) {
+  return [&load](const Point3& position, const Point3& normal, const Eigen::Vector3d&) {
+    return as_vector(load.traction(position, normal));
+  };
+}
+
 std::vector<LoadedRegion> held_regions(const BoundSystem& bound, std::size_t body) {
   std::vector<LoadedRegion> held;
   for (const PreparedSupport& support : bound.of_body[body].prepared)
-    if (support.region.report.extent == Extent::Surface) held.push_back({support.region, held_by(support)});
+    if (support.region.report.extent == Extent::Surface) held.push_back({&support.region, held_by(support)});
   for (const PreparedTie& tie : bound.ties)
     for (std::size_t side = 0; side < 2; ++side)
-      if (tie.surface.body[side] == body) held.push_back({tie.side[side].region, its_own});
+      if (tie.surface.body[side] == body) held.push_back({&tie.side[side].region, its_own});
   return held;
 }
 
 } // namespace
 
-Eigen::Vector3d its_own(const Point3&, const Point3&, const Eigen::Vector3d& own) {
-  return own;
-}
-
 std::vector<Eigen::MatrixXd> field_errors(const BodySystem& system, const BoundSystem& bound,
                                           const Eigen::Ref<const Eigen::MatrixXd>& unknowns,
-                                          const Eigen::VectorXd& lambda, std::vector<BodyLoads> loads) {
+                                          const Eigen::VectorXd& lambda, std::span<const BodyLoads> loads) {
   std::vector<Eigen::MatrixXd> errors;
   for (std::size_t b = 0; b < system.size(); ++b) {
     ResidualProblem problem;
@@ -50,7 +57,8 @@ std::vector<Eigen::MatrixXd> field_errors(const BodySystem& system, const BoundS
     problem.loaded = held_regions(bound, b);
     if (!loads.empty()) {
       problem.body_force = loads[b].body_force;
-      std::move(loads[b].regions.begin(), loads[b].regions.end(), std::back_inserter(problem.loaded));
+      for (const SurfaceLoad& load : loads[b].surfaces) problem.loaded.push_back({&load.region, given_by(load)});
+      for (const SurfaceLoad& load : loads[b].rigid) problem.loaded.push_back({&load.region, its_own});
     }
     errors.push_back(residual_energy(problem));
   }
@@ -63,11 +71,12 @@ Eigen::VectorXd total_errors(std::span<const Eigen::MatrixXd> errors) {
   return total;
 }
 
-bool can_estimate(const BodySystem& system) {
-  return std::all_of(system.begin(), system.end(), [](const SystemBody& body) {
+std::string no_field_errors(const BodySystem& system) {
+  const bool is_smooth = std::all_of(system.begin(), system.end(), [](const SystemBody& body) {
     const auto p = body.space->model().grid.degree();
     return *std::min_element(p.begin(), p.end()) >= 2;
   });
+  return is_smooth ? "" : "at degree 1 the residual lies on the faces of the spans";
 }
 
 } // namespace iga::solve

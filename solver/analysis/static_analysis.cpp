@@ -4,6 +4,7 @@
 #include "format/model/vec3.hpp"
 #include "solver/analysis/bound_system.hpp"
 #include "solver/analysis/field_errors.hpp"
+#include "solver/base/eigen_points.hpp"
 #include "solver/base/stopwatch.hpp"
 #include "solver/linalg/stage_progress.hpp"
 #include "solver/supports/body_choice.hpp"
@@ -47,6 +48,7 @@ struct SystemLoads {
   Eigen::VectorXd load;                         ///< (num_unknowns)
   std::vector<LoadReport> reports;              ///< by load of the run
   std::vector<std::vector<std::size_t>> bodies; ///< by load of the run: those that it acts on
+  std::vector<BodyLoads> of_body;               ///< by body, what acts on it
 };
 
 std::vector<std::size_t> bodies_of_load(const BodySystem& system, const Load& load) {
@@ -69,6 +71,7 @@ std::vector<std::size_t> bodies_of_load(const BodySystem& system, const Load& lo
 SystemLoads assemble_loads(const BodySystem& system, std::span<const Load> loads) {
   SystemLoads all;
   all.load = Eigen::VectorXd::Zero(system.num_unknowns());
+  all.of_body.resize(system.size());
   for (const Load& load : loads) {
     all.bodies.push_back(bodies_of_load(system, load));
     LoadReport sum;
@@ -76,6 +79,10 @@ SystemLoads assemble_loads(const BodySystem& system, std::span<const Load> loads
       const SystemBody& body = system[b];
       LoadTerms terms = assemble_loads(*body.space, body.material.density, std::span(&load, 1));
       system.part(all.load, b) += terms.load;
+      if (const auto force = volume_force(load, body.material.density))
+        all.of_body[b].body_force += as_vector(*force);
+      else
+        (load.rigid ? all.of_body[b].rigid : all.of_body[b].surfaces).push_back(std::move(terms.surfaces[0]));
       terms.reports[0].force = plus(terms.reports[0].force, sum.force);
       terms.reports[0].moment = plus(terms.reports[0].moment, sum.moment);
       sum = std::move(terms.reports[0]);
@@ -224,7 +231,7 @@ void describe_forces(const RunSettings& run, const StaticSettings& settings, con
   }
 }
 
-std::vector<double> as_vector(const Eigen::VectorXd& v) {
+std::vector<double> entries_of(const Eigen::VectorXd& v) {
   return {v.data(), v.data() + v.size()};
 }
 
@@ -263,7 +270,7 @@ StaticBody recover_body(const SystemBody& body, const Eigen::VectorXd& u) {
   const SolutionSpace& space = *body.space;
   const TrimmedModel& model = space.model();
   const auto& surface = model.surface.quadrature;
-  return {as_vector(space.expand(u)), positions_of(model.grid, model.points.parameters),
+  return {entries_of(space.expand(u)), positions_of(model.grid, model.points.parameters),
           recover_fields(space, body.material, u, model.points.offsets, model.points.parameters),
           recover_fields(space, body.material, u, surface.offsets, surface.parameters)};
 }
@@ -296,35 +303,15 @@ std::string no_energy_error(const BodySystem& system, const StaticSolution& solu
   if (std::any_of(solution.loads.begin(), solution.loads.end(),
                   [](const LoadReport& load) { return is_line_or_point(load.region); }))
     return "under a load on a line or at a point the energy grows without limit as spans get smaller";
-  if (!can_estimate(system)) return "at degree 1 the residual lies on the faces of the spans";
-  return "";
+  return no_field_errors(system);
 }
 
-std::vector<BodyLoads> loads_by_body(const BodySystem& system, std::span<const Load> loads,
-                                     std::span<const std::vector<std::size_t>> bodies) {
-  std::vector<BodyLoads> all(system.size());
-  for (std::size_t k = 0; k < loads.size(); ++k)
-    for (const std::size_t b : bodies[k]) {
-      if (const auto force = volume_force(loads[k], system[b].material.density)) {
-        all[b].body_force += Eigen::Vector3d(force->data());
-        continue;
-      }
-      SurfaceLoad surface = surface_load(*system[b].space, loads[k]);
-      const auto given = [field = std::move(surface.traction)](const Point3& x, const Point3& n,
-                                                               const Eigen::Vector3d&) -> Eigen::Vector3d {
-        return Eigen::Vector3d(field(x, n).data());
-      };
-      all[b].regions.push_back({std::move(surface.region), loads[k].rigid ? BorneTraction(its_own) : given});
-    }
-  return all;
-}
-
-void estimate_error(const BodySystem& system, const BoundSystem& bound, const StaticSettings& settings,
-                    const SystemLoads& loads, StaticSolution& solution) {
+void estimate_error(const BodySystem& system, const BoundSystem& bound, const SystemLoads& loads,
+                    StaticSolution& solution) {
   solution.no_energy_error = no_energy_error(system, solution);
   if (!solution.no_energy_error.empty()) return;
-  solution.energy_error = total_errors(field_errors(system, bound, solution.unknowns, Eigen::VectorXd::Zero(1),
-                                                    loads_by_body(system, settings.loads, loads.bodies)))[0];
+  solution.energy_error =
+      total_errors(field_errors(system, bound, solution.unknowns, Eigen::VectorXd::Zero(1), loads.of_body))[0];
 }
 
 void solve(const BoundSystem& bound, const RigidRegions& rigid, const Eigen::VectorXd& b, const LinearSolver& solver,
@@ -393,7 +380,7 @@ StaticSolution run_static(const RunSettings& run, const StaticSettings& settings
   describe_forces(run, settings, system, loads, solution);
   watch.stage("fields");
   show_stage(run.progress, "errors");
-  estimate_error(system, bound, settings, loads, solution);
+  estimate_error(system, bound, loads, solution);
   watch.stage("errors");
   return solution;
 }

@@ -1,7 +1,7 @@
 // A tree of boxes over numbered items, built once and fitted anew to items that moved.
 #pragma once
 
-#include "format/model/types.hpp"
+#include "format/model/box.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -10,21 +10,6 @@
 #include <vector>
 
 namespace iga::solve {
-
-inline bool overlap(const Box3& a, const Box3& b) {
-  return a.lower[0] <= b.upper[0] && b.lower[0] <= a.upper[0] && a.lower[1] <= b.upper[1] && b.lower[1] <= a.upper[1] &&
-         a.lower[2] <= b.upper[2] && b.lower[2] <= a.upper[2];
-}
-
-/// The smallest box that holds both.
-inline Box3 join(const Box3& a, const Box3& b) {
-  Box3 box;
-  for (std::size_t d = 0; d < 3; ++d) {
-    box.lower[d] = std::min(a.lower[d], b.lower[d]);
-    box.upper[d] = std::max(a.upper[d], b.upper[d]);
-  }
-  return box;
-}
 
 inline Box3 grown(Box3 box, double by) {
   for (std::size_t d = 0; d < 3; ++d) box.lower[d] -= by, box.upper[d] += by;

@@ -35,25 +35,8 @@ std::array<MatrixXd, 3> powers(const Eigen::Ref<const Eigen::VectorXd>& xi, int 
 
 CellMonomials::CellMonomials(const SplineGrid& grid) : grid_(grid) {
   const auto p = grid.degree();
-  std::array<MatrixXd, 3> inverse;
-  std::array<Eigen::MatrixX2d, 3> rule;
-  for (std::size_t d = 0; d < 3; ++d) {
-    rule[d] = gauss_rule(p[d] + 1);
-    MatrixXd vandermonde(p[d] + 1, p[d] + 1);
-    for (Index q = 0; q <= p[d]; ++q)
-      for (Index a = 0; a <= p[d]; ++a) vandermonde(q, a) = std::pow(2 * rule[d](q, 0) - 1, static_cast<double>(a));
-    inverse[d] = vandermonde.inverse();
-  }
-  const Index n[3] = {p[0] + 1, p[1] + 1, p[2] + 1}, size = n[0] * n[1] * n[2];
-  nodes_.resize(size, 3);
-  inverse_.resize(size, size);
-  for (Index q = 0; q < size; ++q) {
-    const Index at[3] = {q % n[0], q / n[0] % n[1], q / (n[0] * n[1])};
-    for (std::size_t d = 0; d < 3; ++d) nodes_(q, static_cast<Index>(d)) = rule[d](at[d], 0);
-    for (Index m = 0; m < size; ++m)
-      inverse_(m, q) =
-          inverse[0](m % n[0], at[0]) * inverse[1](m / n[0] % n[1], at[1]) * inverse[2](m / (n[0] * n[1]), at[2]);
-  }
+  nodes_ = cube_rule({p[0] + 1, p[1] + 1, p[2] + 1}).points;
+  inverse_ = table(nodes_, value_parts).inverse();
 }
 
 CellFields CellMonomials::fields(const SolutionSpace& space, std::int64_t a, const Eigen::Ref<const MatrixXd>& unknowns,
@@ -93,7 +76,8 @@ MatrixXd CellMonomials::table(const Eigen::MatrixX3d& xi, const std::vector<Orde
   const Index n = xi.rows();
   std::array<std::array<MatrixXd, 3>, 3> power; // by direction and order of the derivative; (points × degree + 1)
   for (std::size_t d = 0; d < 3; ++d) power[d] = powers(xi.col(static_cast<Index>(d)), p[d], grid_.span_size()[d]);
-  MatrixXd out(n, size() * static_cast<Index>(parts.size()));
+  const Index size = (p[0] + 1) * (p[1] + 1) * (p[2] + 1);
+  MatrixXd out(n, size * static_cast<Index>(parts.size()));
   if (n == 0) return out;
   double* to = out.data();
   for (const Orders& order : parts) {

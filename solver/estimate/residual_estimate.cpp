@@ -1,6 +1,7 @@
 #include "solver/estimate/residual_estimate.hpp"
 
 #include "format/model/vec3.hpp"
+#include "solver/base/eigen_points.hpp"
 #include "solver/estimate/cell_residual.hpp"
 
 #include <Eigen/LU>
@@ -17,6 +18,7 @@ using Eigen::MatrixXd;
 
 // Test functions: for each direction the leading oscillation and the next one.
 constexpr int orders = 2, tests = 3 * orders;
+constexpr std::size_t none = 3; // of the directions
 int direction_of(Index j) {
   return static_cast<int>(j) / orders;
 }
@@ -29,10 +31,6 @@ Rotation transposed(const Rotation& R) {
   for (std::size_t r = 0; r < 3; ++r)
     for (std::size_t c = 0; c < 3; ++c) T[r][c] = R[c][r];
   return T;
-}
-
-Eigen::Vector3d as_vector(const Point3& x) {
-  return {x[0], x[1], x[2]};
 }
 
 // Integrals of the tests against derivatives of the monomials: what multiplies a cell's fields.
@@ -112,21 +110,18 @@ class Residuals {
   }
 
   Moments whole_span() const {
-    std::array<Eigen::MatrixX2d, 3> rule;
-    for (std::size_t d = 0; d < 3; ++d) rule[d] = gauss_rule(grid_.degree()[d] + orders);
-    const Index size = rule[0].rows() * rule[1].rows() * rule[2].rows();
-    Eigen::MatrixX3d xi(size, 3);
-    std::vector<double> weights;
-    for (Index q = 0; q < size; ++q) {
-      const Index at[3] = {q % rule[0].rows(), q / rule[0].rows() % rule[1].rows(),
-                           q / (rule[0].rows() * rule[1].rows())};
-      weights.push_back(grid_.span_volume());
-      for (std::size_t d = 0; d < 3; ++d) {
-        xi(q, static_cast<Index>(d)) = rule[d](at[d], 0);
-        weights.back() *= rule[d](at[d], 1);
-      }
-    }
-    return of_volume(xi, weights);
+    const CubeRule cube = test_rule(grid_.span_volume(), none);
+    return of_volume(cube.points, cube.weights);
+  }
+
+  // Gauss points that are exact for tests against derivatives of the fields: of whole spans, or of their faces across a
+  // direction, where that coordinate is left open. The weights add up to the size.
+  CubeRule test_rule(double size, std::size_t across) const {
+    auto n = grid_.degree();
+    for (std::size_t d = 0; d < 3; ++d) n[d] = d == across ? 1 : n[d] + orders;
+    CubeRule rule = cube_rule(n);
+    for (double& weight : rule.weights) weight *= size;
+    return rule;
   }
 
   Index3 span_of(Index a) const { return grid_.span_index(model_.cells.span[static_cast<std::size_t>(a)]); }
@@ -203,16 +198,14 @@ class Residuals {
       const Index3 lower = span_of(a), upper = span_of(b);
       std::size_t d = 0;
       while (lower[d] == upper[d]) ++d;
-      std::vector<double> weights;
-      Eigen::MatrixX3d xi = face_points(d, weights);
       const double filled = std::min(model_.cells.volume_fraction[static_cast<std::size_t>(a)],
                                      model_.cells.volume_fraction[static_cast<std::size_t>(b)]);
-      for (double& w : weights) w *= 0.5 * filled;
-      Eigen::MatrixX3d normals = Eigen::MatrixX3d::Zero(xi.rows(), 3);
+      CubeRule face = test_rule(0.5 * filled * grid_.span_volume() / grid_.span_size()[d], d);
+      Eigen::MatrixX3d normals = Eigen::MatrixX3d::Zero(face.points.rows(), 3);
       normals.col(static_cast<Index>(d)).setOnes();
       const auto traction = [&](std::int32_t cell, double side) {
-        xi.col(static_cast<Index>(d)).setConstant(side);
-        return on_surface(surface_moments(xi, weights, normals),
+        face.points.col(static_cast<Index>(d)).setConstant(side);
+        return on_surface(surface_moments(face.points, face.weights, normals),
                           monomials_.fields(space_, cell, problem_.unknowns, shapes));
       };
       const MatrixXd jump = traction(a, 1) - traction(b, 0);
@@ -224,29 +217,13 @@ class Residuals {
     }
   }
 
-  // Gauss points of the faces across a direction, units of the span; that coordinate is left open.
-  Eigen::MatrixX3d face_points(std::size_t d, std::vector<double>& weights) const {
-    const std::size_t u = (d + 1) % 3, v = (d + 2) % 3;
-    const Point3 h = grid_.span_size();
-    const Eigen::MatrixX2d first = gauss_rule(grid_.degree()[u] + orders),
-                           second = gauss_rule(grid_.degree()[v] + orders);
-    Eigen::MatrixX3d xi(first.rows() * second.rows(), 3);
-    for (Index q = 0; q < xi.rows(); ++q) {
-      const Index i = q % first.rows(), j = q / first.rows();
-      xi(q, static_cast<Index>(u)) = first(i, 0);
-      xi(q, static_cast<Index>(v)) = second(j, 0);
-      weights.push_back(h[u] * h[v] * first(i, 1) * second(j, 1));
-    }
-    return xi;
-  }
-
   // What regions that bear traction add: Σ w t · w_j, by cell; empty elsewhere.
   std::vector<MatrixXd> loaded_residuals() const {
     std::vector<MatrixXd> all(model_.num_cells());
     SpanShapes shapes;
     for (const LoadedRegion& loaded : problem_.loaded)
-      for (std::size_t s = 0; s < loaded.region.cells.size(); ++s) {
-        const PointBatch batch = gather(model_, loaded.region, s);
+      for (std::size_t s = 0; s < loaded.region->cells.size(); ++s) {
+        const PointBatch batch = gather(model_, *loaded.region, s);
         MatrixXd& r = all[static_cast<std::size_t>(batch.cell)];
         if (r.size() == 0) r.setZero(3 * tests, fields_);
         add_traction(batch, loaded.traction, shapes, r);

@@ -15,7 +15,7 @@ using BorneTraction =
 
 /// Surface that is not free of traction.
 struct LoadedRegion {
-  SurfaceRegion region;
+  const SurfaceRegion* region = nullptr;
   BorneTraction traction;
 };
 

@@ -56,6 +56,15 @@ TractionField traction_of(const TrimmedModel& model, const Load& load, SurfaceRe
   }
 }
 
+SurfaceLoad surface_load(const SolutionSpace& space, const Load& load) {
+  const std::string what = fmt::format("load '{}'", load.name);
+  SurfaceLoad surface;
+  surface.region = load.place.given() ? choose_places(space.model(), load.place, what)
+                                      : choose_region(space.model(), load.region, what);
+  surface.traction = traction_of(space.model(), load, surface.region, what);
+  return surface;
+}
+
 } // namespace
 
 Eigen::VectorXd traction_load(const SolutionSpace& space, const SurfaceRegion& region, const TractionField& traction,
@@ -92,15 +101,6 @@ Eigen::VectorXd traction_load(const SolutionSpace& space, const SurfaceRegion& r
   return f;
 }
 
-SurfaceLoad surface_load(const SolutionSpace& space, const Load& load) {
-  const std::string what = fmt::format("load '{}'", load.name);
-  SurfaceLoad surface;
-  surface.region = load.place.given() ? choose_places(space.model(), load.place, what)
-                                      : choose_region(space.model(), load.region, what);
-  surface.traction = traction_of(space.model(), load, surface.region, what);
-  return surface;
-}
-
 std::optional<Point3> volume_force(const Load& load, double density) {
   const Point3 vector = in_part_frame(load.frame, load.vector);
   if (load.kind == LoadKind::BodyForce) return vector;
@@ -114,10 +114,12 @@ LoadTerms assemble_loads(const SolutionSpace& space, double density, std::span<c
   for (const Load& load : loads) {
     LoadReport report;
     report.name = load.name;
+    terms.surfaces.emplace_back();
     if (const auto force = volume_force(load, density)) {
       terms.load += volume_load(space, *force, report);
     } else {
-      const SurfaceLoad surface = surface_load(space, load);
+      terms.surfaces.back() = surface_load(space, load);
+      const SurfaceLoad& surface = terms.surfaces.back();
       report.region = surface.region.report;
       report.region.name = load.name;
       terms.load += traction_load(space, surface.region, surface.traction, report);

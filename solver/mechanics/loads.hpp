@@ -47,14 +47,6 @@ struct LoadReport {
 /// Warnings about what loads act on.
 std::vector<std::string> region_warnings(std::span<const LoadReport> loads);
 
-struct LoadTerms {
-  Eigen::VectorXd load; ///< (num_unknowns)
-  std::vector<LoadReport> reports;
-};
-
-/// @throws InputError for a region without area or a point outside the part, naming the load
-LoadTerms assemble_loads(const SolutionSpace& space, double density, std::span<const Load> loads);
-
 /// Traction (force/length²) at a position with an outward unit normal.
 using TractionField = std::function<Point3(const Point3& position, const Point3& normal)>;
 
@@ -63,8 +55,16 @@ struct SurfaceLoad {
   SurfaceRegion region;
   TractionField traction;
 };
-/// @pre the load acts on no volume. Throws as assemble_loads.
-SurfaceLoad surface_load(const SolutionSpace& space, const Load& load);
+
+struct LoadTerms {
+  Eigen::VectorXd load; ///< (num_unknowns)
+  std::vector<LoadReport> reports;
+  std::vector<SurfaceLoad> surfaces; ///< by load; without points where it acts on the volume
+};
+
+/// @throws InputError for a region without area or a point outside the part, naming the load
+LoadTerms assemble_loads(const SolutionSpace& space, double density, std::span<const Load> loads);
+
 /// Force/length³ of a load that acts on the volume.
 std::optional<Point3> volume_force(const Load& load, double density);
 

@@ -3,6 +3,7 @@
 #include "format/model/errors.hpp"
 #include "format/model/vec3.hpp"
 #include "solver/base/dense_algebra.hpp"
+#include "solver/base/eigen_points.hpp"
 
 #include <Eigen/LU>
 #include <fmt/format.h>
@@ -14,13 +15,6 @@ namespace {
 constexpr double largest_axial = 0.01; // of the force
 // The second direction must hold this share of the first: an arc of 20° holds 0.01.
 constexpr double least_arc = 1e-3;
-
-Eigen::Vector3d as_vector(const Point3& x) {
-  return {x[0], x[1], x[2]};
-}
-Point3 as_point(const Eigen::Vector3d& v) {
-  return {v[0], v[1], v[2]};
-}
 
 /// use(position, weight) for all points of a region.
 template <class Use> void for_points(const TrimmedModel& model, const SurfaceRegion& region, Use&& use) {

@@ -12,7 +12,6 @@
 #include "solver/report/analysis_report.hpp"
 #include "solver/report/model_notes.hpp"
 
-#include <algorithm>
 #include <memory>
 #include <tbb/global_control.h>
 
@@ -42,11 +41,8 @@ void read_models(AnalysisRun& run) {
     const bool moved = !(body.file.place == Placement{});
     run.models.push_back(moved ? placed(std::move(model), body.file.place) : std::move(model));
     check_units(run, b);
-    // Bodies that share a model file share its warnings.
-    for (const std::string& warning :
-         prefixed(body.file.model.filename().string(),
-                  model_warnings(run.models[b], body.has_density ? &body.material : nullptr)))
-      if (std::find(run.warnings.begin(), run.warnings.end(), warning) == run.warnings.end()) warn(run, {warning});
+    warn(run, prefixed(body.file.model.filename().string(),
+                       model_warnings(run.models[b], body.has_density ? &body.material : nullptr)));
   }
 }
 

@@ -11,6 +11,7 @@
 #include "solver/report/model_notes.hpp"
 #include "solver/report/model_summary.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <fmt/chrono.h>
 #include <fmt/ranges.h>
@@ -26,9 +27,11 @@ double peak_memory_mib() {
 }
 
 void warn(AnalysisRun& run, const std::vector<std::string>& warnings) {
-  if (run.command.style != ReportStyle::Quiet)
-    for (const std::string& warning : warnings) io::write_message(fmt::format("igasolve: warning: {}\n", warning));
-  run.warnings.insert(run.warnings.end(), warnings.begin(), warnings.end());
+  for (const std::string& warning : warnings) {
+    if (std::find(run.warnings.begin(), run.warnings.end(), warning) != run.warnings.end()) continue;
+    if (run.command.style != ReportStyle::Quiet) io::write_message(fmt::format("igasolve: warning: {}\n", warning));
+    run.warnings.push_back(warning);
+  }
 }
 
 void warn_of_joined_bodies(AnalysisRun& run, const BodySystem& system) {

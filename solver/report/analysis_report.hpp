@@ -24,7 +24,8 @@ struct AnalysisRun {
   std::vector<std::string> warnings; ///< already on stderr; the report repeats them
 };
 
-/// Prints the warnings to stderr at once (unless quiet) and keeps them for report and results file.
+/// Prints the warnings to stderr at once (unless quiet) and keeps them for report and results file; each once, as
+/// bodies that share a model file share its warnings.
 void warn(AnalysisRun& run, const std::vector<std::string>& warnings);
 /// Warns where a model joins bodies that the surface has apart.
 void warn_of_joined_bodies(AnalysisRun& run, const BodySystem& system);

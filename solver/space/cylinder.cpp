@@ -3,6 +3,7 @@
 #include "format/model/errors.hpp"
 #include "format/model/vec3.hpp"
 #include "solver/base/dense_algebra.hpp"
+#include "solver/base/eigen_points.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -22,13 +23,6 @@ constexpr double least_cosine = 0.8;
 // Normals that take less than this share of the second direction are those of a flat face.
 constexpr double flat = 1e-3;
 constexpr int most_steps = 50;
-
-Vector3d as_vector(const Point3& x) {
-  return {x[0], x[1], x[2]};
-}
-Point3 as_point(const Vector3d& v) {
-  return {v[0], v[1], v[2]};
-}
 
 std::vector<Vector3d> corners_of(const TrimmedModel& model, const SurfaceRegion& region) {
   std::vector<std::int32_t> vertices;

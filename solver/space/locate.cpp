@@ -122,8 +122,8 @@ std::int64_t Locator::cell_outside(const Point3& x, const std::string& what) con
   const double h = smallest(model_.grid.span_size());
   Nearest nearest;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) nearest.offer(t, way_to_triangle(mesh, t, x));
-  const Box3 box = bounding_box(mesh);
   if (nearest.distance > outside_allowance * h) {
+    const Box3 box = bounding_box(mesh);
     throw InputError(fmt::format(
         "{}: the position {} lies outside the part, {:.4g} from its surface; the part lies between {} and {}: choose a "
         "position in it or on its surface",
@@ -139,12 +139,14 @@ std::int64_t Locator::cell_outside(const Point3& x, const std::string& what) con
     if (-dot(way, nearest.way) >= straight_on * norm(way) * nearest.distance) opposite.offer(t, way);
   }
   const double width = nearest.distance + opposite.distance;
-  if (nearest.distance > gap_allowance * width)
+  if (nearest.distance > gap_allowance * width) {
+    const Box3 box = bounding_box(mesh);
     throw InputError(fmt::format("{}: the position {} lies in a gap of {:.4g} between two walls, {:.4g} from one at {} "
                                  "and {:.4g} from the other "
                                  "at {}: choose a position in one of them or on its surface",
                                  what, text(x, box), width, nearest.distance, text(plus(x, nearest.way), box),
                                  opposite.distance, text(plus(x, opposite.way), box)));
+  }
   return owner();
 }
 

@@ -161,24 +161,35 @@ Eigen::MatrixX2d gauss_rule(int n) {
   return rule;
 }
 
+CubeRule cube_rule(const std::array<int, 3>& n) {
+  const Eigen::MatrixX2d rules[3] = {gauss_rule(n[0]), gauss_rule(n[1]), gauss_rule(n[2])};
+  CubeRule cube;
+  cube.points.resize(n[0] * n[1] * n[2], 3);
+  for (Eigen::Index q = 0; q < cube.points.rows(); ++q) {
+    const Eigen::Index place[3] = {q % n[0], q / n[0] % n[1], q / (n[0] * n[1])};
+    double weight = 1;
+    for (Eigen::Index d = 0; d < 3; ++d) {
+      cube.points(q, d) = rules[d](place[d], 0);
+      weight *= rules[d](place[d], 1);
+    }
+    cube.weights.push_back(weight);
+  }
+  return cube;
+}
+
 namespace {
 
 // Adds tensor Gauss points of a whole span, their weights scaled by `share`.
 void add_gauss_points(const SplineGrid& grid, std::int64_t span, double share, SpanPointStorage& storage) {
   const Box3 box = grid.span_box(grid.span_index(span));
   const auto p = grid.degree();
-  const Eigen::MatrixX2d rules[3] = {gauss_rule(p[0] + 1), gauss_rule(p[1] + 1), gauss_rule(p[2] + 1)};
-  for (Eigen::Index k = 0; k <= p[2]; ++k)
-    for (Eigen::Index j = 0; j <= p[1]; ++j)
-      for (Eigen::Index i = 0; i <= p[0]; ++i) {
-        const Eigen::Index place[3] = {i, j, k};
-        double weight = share * grid.span_volume();
-        for (std::size_t d = 0; d < 3; ++d) {
-          storage.parameters.push_back(box.lower[d] + rules[d](place[d], 0) * (box.upper[d] - box.lower[d]));
-          weight *= rules[d](place[d], 1);
-        }
-        storage.weights.push_back(weight);
-      }
+  const CubeRule cube = cube_rule({p[0] + 1, p[1] + 1, p[2] + 1});
+  for (Eigen::Index q = 0; q < cube.points.rows(); ++q) {
+    for (std::size_t d = 0; d < 3; ++d)
+      storage.parameters.push_back(box.lower[d] +
+                                   cube.points(q, static_cast<Eigen::Index>(d)) * (box.upper[d] - box.lower[d]));
+    storage.weights.push_back(share * grid.span_volume() * cube.weights[static_cast<std::size_t>(q)]);
+  }
 }
 
 } // namespace

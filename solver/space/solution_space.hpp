@@ -96,6 +96,14 @@ void evaluate(const SolutionSpace& space, std::int64_t a, std::span<const double
 /// Gauss–Legendre rule with n points on [0, 1]: nodes in the first column, weights in the second.
 Eigen::MatrixX2d gauss_rule(int n);
 
+/// Product of three such rules over the unit cube, first direction fastest.
+struct CubeRule {
+  Eigen::MatrixX3d points;
+  std::vector<double> weights; ///< they sum to 1
+};
+/// @param n  points by direction
+CubeRule cube_rule(const std::array<int, 3>& n);
+
 /// Quadrature points of one span; views into the model or into a SpanPointStorage.
 struct SpanPoints {
   std::span<const double> parameters; ///< (n × 3), row-major

@@ -33,12 +33,6 @@ std::array<Point3, 3> corners(const TriangleMesh& mesh, std::size_t t) {
   return x;
 }
 
-Box3 box_of(std::span<const Point3> points) {
-  Box3 box{points.front(), points.front()};
-  for (const Point3& x : points) box = join(box, {x, x});
-  return box;
-}
-
 double largest_coordinate(const Box3& box) {
   double largest = 0;
   for (std::size_t d = 0; d < 3; ++d) largest = std::max({largest, std::abs(box.lower[d]), std::abs(box.upper[d])});
@@ -55,7 +49,7 @@ double facet_depth(const TriangleMesh& mesh, const Box3& box) {
   double depth = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto x = corners(mesh, t);
-    if (!overlap(box_of(x), box)) continue;
+    if (!overlap(bounding_box(x), box)) continue;
     const Point3 twice = twice_area(x[0], x[1], x[2]);
     const double size = norm(twice);
     if (!(size > 0)) continue;
@@ -85,7 +79,7 @@ SurfacePatch::SurfacePatch(const TrimmedModel& model, const RegionChoice::Patch&
     const double size = norm(twice);
     normals_.push_back(size > 0 ? times(twice, 1 / size) : Point3{});
     area_ += 0.5 * size;
-    boxes.push_back(box_of(x));
+    boxes.push_back(bounding_box(x));
   }
   if (!(area_ > 0)) throw InputError(fmt::format("{}: the patch {} has no area", what, name_));
   facets_ = Bvh(boxes);
@@ -105,7 +99,7 @@ std::vector<ConvexPolygon> SurfacePatch::part_of(const ConvexPolygon& polygon, c
   const Point3 origin = polygon.front();
   const double negligible = negligible_share * polygon_area(polygon);
   std::vector<ConvexPolygon> covered, left{polygon};
-  facets_.each_overlap(grown(box_of(polygon), tolerance_), [&](std::int32_t item) {
+  facets_.each_overlap(grown(bounding_box(polygon), tolerance_), [&](std::int32_t item) {
     const auto t = static_cast<std::size_t>(item);
     const double cosine = dot(normals_[t], n);
     if (std::abs(cosine) < least_cosine) return;
@@ -116,10 +110,10 @@ std::vector<ConvexPolygon> SurfacePatch::part_of(const ConvexPolygon& polygon, c
     if (facet.size() < 3) return;
     if (cosine < 0) std::reverse(facet.begin(), facet.end());
     for (Point3& y : facet) y = minus(y, times(n, dot(minus(y, origin), n)));
-    const Box3 box = grown(box_of(facet), snap_);
+    const Box3 box = grown(bounding_box(facet), snap_);
     std::vector<ConvexPolygon> next;
     for (ConvexPolygon& piece : left) {
-      if (!overlap(box, box_of(piece))) {
+      if (!overlap(box, bounding_box(piece))) {
         next.push_back(std::move(piece));
         continue;
       }
@@ -154,7 +148,7 @@ std::string SurfacePatch::how_near() const {
   double least = std::numeric_limits<double>::infinity();
   const TriangleMesh& mesh = model_.surface.mesh;
   std::vector<Box3> boxes;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) boxes.push_back(box_of(corners(mesh, t)));
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) boxes.push_back(bounding_box(corners(mesh, t)));
   const Bvh tree(boxes);
   for (const Point3& x : mesh_.vertices)
     least = std::min(least, tree.least_distance2(x, [&](std::int32_t t) {

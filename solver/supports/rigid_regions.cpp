@@ -2,6 +2,7 @@
 
 #include "format/model/vec3.hpp"
 #include "solver/base/dense_algebra.hpp"
+#include "solver/base/eigen_points.hpp"
 #include "solver/mechanics/spread_loads.hpp"
 #include "solver/supports/support_rows.hpp"
 
@@ -15,13 +16,6 @@ namespace {
 
 // C in β = C E / h, as for supports. More costs digits: a region that moves far by u has forces of β u that cancel.
 constexpr double penalty_factor = 1e3;
-
-Eigen::Vector3d as_vector(const Point3& x) {
-  return {x[0], x[1], x[2]};
-}
-Point3 as_point(const Eigen::Vector3d& v) {
-  return {v[0], v[1], v[2]};
-}
 
 // Columns: velocities at x of motions about the centre.
 Eigen::MatrixXd velocities(const Eigen::Ref<const Eigen::MatrixXd>& motions, const Point3& centre, const Point3& x) {

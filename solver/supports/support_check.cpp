@@ -1,6 +1,7 @@
 #include "solver/supports/support_check.hpp"
 
 #include "solver/base/dense_algebra.hpp"
+#include "solver/base/eigen_points.hpp"
 #include "solver/mechanics/rigid_modes.hpp"
 #include "solver/supports/support_rows.hpp"
 
@@ -28,10 +29,6 @@ struct Body {
   Eigen::Matrix<double, 6, 6> held = Eigen::Matrix<double, 6, 6>::Zero(); ///< ∫ (e · v)(e · v) dA over twists
   std::vector<std::string> names;                                         ///< of the run's bodies that it consists of
 };
-
-Eigen::Vector3d as_vector(const Point3& x) {
-  return {x[0], x[1], x[2]};
-}
 
 // A span belongs to the body of its nodes; one whose functions were all removed moves with none.
 std::size_t body_of(const SystemBody& part, const Bodies& bodies, std::int64_t a) {

@@ -1,6 +1,7 @@
 #include "solver/supports/boundary.hpp"
 
 #include "format/model/vec3.hpp"
+#include "solver/base/eigen_points.hpp"
 #include "solver/base/in_order.hpp"
 #include "solver/supports/support_rows.hpp"
 
@@ -70,10 +71,6 @@ void add_constraints(const SolutionSpace& space, const ElasticMaterial& material
   terms.constraints.resize(count, space.num_unknowns());
   terms.constraints.setFromTriplets(entries.begin(), entries.end());
   terms.values = Eigen::Map<const Eigen::VectorXd>(values.data(), count);
-}
-
-Point3 as_point(const Eigen::Vector3d& v) {
-  return {v[0], v[1], v[2]};
 }
 
 // -Cᵀ λ is the support's load vector; Greville points are the coefficients of the identity, so that Σ g_i × r_i is the

@@ -3,6 +3,7 @@
 // least three spans keep the multipliers coarser than the traces of the displacements (inf-sup condition).
 #include "format/model/vec3.hpp"
 #include "solver/base/dense_algebra.hpp"
+#include "solver/base/eigen_points.hpp"
 #include "solver/supports/support_rows.hpp"
 
 #include <algorithm>
@@ -108,10 +109,6 @@ Eigen::MatrixXd normal_directions(const Eigen::Matrix3d& spread) {
   Eigen::Index first = 0;
   while (first < 2 && eigen.values[first] <= least_normal * spread.trace()) ++first;
   return eigen.vectors.rightCols(3 - first);
-}
-
-Eigen::Vector3d as_vector(const Point3& n) {
-  return {n[0], n[1], n[2]};
 }
 
 /// The multipliers' scalar factors at a point: first those of constant stresses, then function by function.

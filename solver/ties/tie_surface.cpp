@@ -30,12 +30,6 @@ double area_of(const ConvexPolygon& polygon) {
   return norm(area_vector(polygon));
 }
 
-Box3 box_of(const ConvexPolygon& polygon) {
-  Box3 box{polygon[0], polygon[0]};
-  for (const Point3& x : polygon) box = join(box, {x, x});
-  return box;
-}
-
 double smallest_span(const TrimmedModel& model) {
   const Point3 h = model.grid.span_size();
   return *std::min_element(h.begin(), h.end());
@@ -47,7 +41,7 @@ struct Side {
       : model(of), polygons(choose_polygons(of, choice, what)), cells(of) {
     std::vector<Box3> boxes;
     for (const ChosenPolygon& polygon : polygons) {
-      boxes.push_back(box_of(polygon.corners));
+      boxes.push_back(bounding_box(polygon.corners));
       areas.push_back(area_of(polygon.corners));
       area += areas.back();
     }
@@ -95,7 +89,7 @@ class Matcher {
     for (std::size_t i = 0; i < a.polygons.size(); ++i) {
       const double before = area_;
       std::vector<std::size_t> near;
-      b.tree.each_overlap(grown(box_of(a.polygons[i].corners), tolerance_),
+      b.tree.each_overlap(grown(bounding_box(a.polygons[i].corners), tolerance_),
                           [&](std::int32_t item) { near.push_back(static_cast<std::size_t>(item)); });
       std::sort(near.begin(), near.end());
       for (const std::size_t j : near) match(i, j);

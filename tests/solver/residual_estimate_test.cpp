@@ -85,12 +85,12 @@ TEST(ResidualEstimate, LinearFieldsLeaveNothing) {
     const Point3 expected = traction(constant_stress(material), {1, 0, 0});
     EXPECT_GT(free, 1e-3 * norm(expected) * norm(expected) / 210) << "traction on a free surface counts";
     const Voigt stress = constant_stress(material);
-    problem.loaded.push_back(
-        {choose_region(model, {}, "surface"), [&](const Point3&, const Point3& n, const Eigen::Vector3d& own) {
-           const Eigen::Vector3d t(traction(stress, n).data());
-           EXPECT_LT((own - t).norm(), 1e-9 * stress.norm());
-           return t;
-         }});
+    const SurfaceRegion surface = choose_region(model, {}, "surface");
+    problem.loaded.push_back({&surface, [&](const Point3&, const Point3& n, const Eigen::Vector3d& own) {
+                                const Eigen::Vector3d t(traction(stress, n).data());
+                                EXPECT_LT((own - t).norm(), 1e-9 * stress.norm());
+                                return t;
+                              }});
     EXPECT_LT(residual_energy(problem).sum(), 1e-18 * free);
   }
 }

@@ -29,9 +29,7 @@ TrimmedModel make_part(const TriangleMesh& mesh, const SplineGrid& grid, int mom
   model.quadrature.max_residual = quadrature.max_residual;
   model.functions.mass_fraction = prep::mass_fractions(grid, trimming, cells, model.points);
   model.quadrature.surface_rule = surface_rule;
-  model.surface = prep::make_embedded_surface(grid, mesh, trimming,
-                                              model.quadrature.surface_rule == "exact" ? prep::SurfaceRule::Exact
-                                                                                       : prep::SurfaceRule::Reduced);
+  model.surface = prep::make_embedded_surface(grid, mesh, trimming, prep::surface_rule(surface_rule));
   prep::place_cells(std::move(trimming), std::move(cells), model);
   return model;
 }

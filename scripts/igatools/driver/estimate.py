@@ -129,6 +129,22 @@ def pair_modes(coarse_frequencies, coarse, fine_frequencies, fine, weights):
     return partner, agreement
 
 
+def follow_modes(grids):
+    """For each mode of the finest grid its numbers on the last grids that know it, coarse to fine, and how well its shape agrees with
+    that of the grid before, nan where there is one grid. Grids, coarse to fine: "frequencies", "shapes", "weights" as in pair_modes."""
+    numbers = [[m] for m in range(len(grids[-1]["frequencies"]))]
+    agreement = np.full(len(numbers), np.nan)
+    for level in range(len(grids) - 1, 0, -1):
+        fine, coarse = grids[level], grids[level - 1]
+        partner, likeness = pair_modes(coarse["frequencies"], coarse["shapes"], fine["frequencies"], fine["shapes"], fine["weights"])
+        if level == len(grids) - 1:
+            agreement = likeness
+        for own in numbers:
+            if len(own) == len(grids) - level and partner[own[0]] >= 0:
+                own.insert(0, partner[own[0]])
+    return numbers, agreement
+
+
 def span_share(basis, shapes, weights):
     """Share of each shape that lies in the span of `basis`."""
     root = np.sqrt(weights)[None, :, None]

@@ -6,7 +6,7 @@ import numpy as np
 from igatools import iga_results
 from igatools.driver import quantities, units
 from igatools.driver.grids import GridRun
-from igatools.driver.kept import write_text
+from igatools.whole_file import write_text
 from igatools.driver.programs import Failed
 from igatools.driver.quantities import Quantity
 

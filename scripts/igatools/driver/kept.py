@@ -1,15 +1,9 @@
 """Which files of an output folder may be used again: those that the same programs made from the same content with the same options."""
 import hashlib
 import json
-import os
 from pathlib import Path
 
-
-def write_text(path, text):
-    """Whole or not at all."""
-    beside = Path(f"{path}.new")
-    beside.write_text(text)
-    os.replace(beside, path)
+from igatools.whole_file import write_text
 
 
 def hash_of_file(path):

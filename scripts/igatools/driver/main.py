@@ -4,7 +4,7 @@ import signal
 import sys
 
 from igatools.driver import options, printed
-from igatools.driver.kept import write_text
+from igatools.whole_file import write_text
 from igatools.driver.programs import Failed, Programs, RunError
 from igatools.driver.progress import Progress
 from igatools.report import NoReport, rewrite_page, write_page

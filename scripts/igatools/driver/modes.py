@@ -31,6 +31,16 @@ def vertex_weights(model):
     return np.bincount(model["/surface/triangles"].ravel(), np.repeat(area / 3, 3), len(model["/surface/vertices"]))
 
 
+def modes_on_surface(model, results, report, count):
+    """The first elastic modes of a grid at the vertices of the surface: frequencies as computed, errors that the modes themselves tell
+    (None without), shapes (modes, vertices, 3), areas of the vertices."""
+    elastic = results.elastic()[:count]
+    shapes = np.array([results.field(model, results["/modes"][mode], model["/surface/vertex_cell"],
+                                     model["/surface/vertex_parameters"]) for mode in elastic])
+    own = np.array(report["error_estimate"])[elastic] if "error_estimate" in report else None
+    return {"frequencies": results["/frequencies"][elastic], "own_errors": own, "shapes": shapes, "weights": vertex_weights(model)}
+
+
 class ModesRun(GridRun):
     COMMAND, ANALYSIS = "modes", "eigen"
     PREP = (*GridRun.PREP, "--surface-rule", "reduced")  # igasolve makes it exact where supports act
@@ -55,30 +65,15 @@ class ModesRun(GridRun):
         model, results = iga_model.read(grid.model), iga_results.read(grid.results)
         if self.order is None:
             self.order = estimate.reliable_order(self.options.degree, self.is_singular(model))
-        elastic = results.elastic()[:self.options.modes + SPARE_MODES]
-        shapes = np.array([results.field(model, results["/modes"][mode], model["/surface/vertex_cell"],
-                                         model["/surface/vertex_parameters"]) for mode in elastic])
-        computed = results["/frequencies"][elastic]
-        own = np.array(grid.report["error_estimate"])[elastic] if "error_estimate" in grid.report else None
-        grid.found = {"frequencies": computed, "own_errors": own, "shapes": shapes, "weights": vertex_weights(model)}
+        grid.found = modes_on_surface(model, results, grid.report, self.options.modes + SPARE_MODES)
 
     def estimate(self):
         """Modes of the finest grid with their histories and errors."""
         grids = self.grids
-        chains = [[m] for m in range(len(grids[-1].found["frequencies"]))]  # mode numbers, finest first
-        agreement = np.full(len(chains), np.nan)
-        for level in range(len(grids) - 1, 0, -1):
-            fine, coarse = grids[level].found, grids[level - 1].found
-            partner, likeness = estimate.pair_modes(coarse["frequencies"], coarse["shapes"], fine["frequencies"], fine["shapes"],
-                                                    fine["weights"])
-            if level == len(grids) - 1:
-                agreement = likeness
-            for chain in chains:
-                if len(chain) == len(grids) - level and partner[chain[-1]] >= 0:
-                    chain.append(partner[chain[-1]])
+        numbers, agreement = estimate.follow_modes([grid.found for grid in grids])
         self.modes = []
-        for m, chain in enumerate(chains[:self.options.modes]):
-            along = list(zip(grids[len(grids) - len(chain):], reversed(chain)))  # grids with the mode's numbers, coarse to fine
+        for m, own_numbers in enumerate(numbers[:self.options.modes]):
+            along = list(zip(grids[len(grids) - len(own_numbers):], own_numbers))
             sizes = [grid.span_size for grid, _ in along]
             computed = [float(grid.found["frequencies"][number]) for grid, number in along]
             own = grids[-1].found["own_errors"]

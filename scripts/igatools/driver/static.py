@@ -4,7 +4,7 @@ import numpy as np
 from igatools import iga_model, iga_results
 from igatools.driver import estimate, loads, quantities, run_file, singular, units
 from igatools.driver.grids import GridRun
-from igatools.driver.kept import write_text
+from igatools.whole_file import write_text
 from igatools.driver.programs import Failed
 from igatools.driver.quantities import Quantity
 
@@ -52,10 +52,10 @@ class StaticRun(GridRun):
         found = [Quantity("strain energy", unit("energy"), statics["strain_energy"], estimate.reliable_order(*order),
                           no_limit=concentrated, from_solution=statics.get("error_estimate", {}).get("strain_energy")),
                  Quantity("largest displacement", unit("length"), float(size.max()), estimate.largest_order(*order),
-                          kind="displacement", no_limit=concentrated, note=f"at {place(surface[size.argmax()])}"),
+                          kind="displacement", no_limit=concentrated, note=f"at {loads.in_words(surface[size.argmax()])}"),
                  Quantity("largest von Mises", unit("stress"), float(mises.max()), estimate.stress_order(*order), kind="stress",
                           no_limit=self.no_stress_at(surface[mises.argmax()], grid, statics.get("no_limit_beside")),
-                          note=f"at {place(surface[mises.argmax()])}")]
+                          note=f"at {loads.in_words(surface[mises.argmax()])}")]
         for probe in statics["probes"]:
             at = np.array(probe["position"])
             beside = probe.get("no_limit_beside")
@@ -75,7 +75,7 @@ class StaticRun(GridRun):
             far = singular.distance(at, lines)
             if far < singular.NEAR_SPANS * grid.span_size:
                 where = f"at {what}" if far < 1e-6 * grid.span_size else f"{far:.3g} from {what}, within two spans"
-                return f"{place(at)} lies {where}; stress rises there as spans shrink"
+                return f"{loads.in_words(at)} lies {where}; stress rises there as spans shrink"
         return None
 
     def system(self, grid):
@@ -99,10 +99,6 @@ class StaticRun(GridRun):
         statics = self.grids[-1].report["statics"]
         return {"quantities": self.entries, "run_file": str(self.run_path), "supports": statics["supports"],
                 "loads": statics["loads"], "force_balance": statics["force_balance"]}
-
-
-def place(x):
-    return "(" + ", ".join(f"{c:.4g}" for c in x) + ")"
 
 
 def concentrated_force(statics):

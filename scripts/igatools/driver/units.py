@@ -3,48 +3,17 @@ import re
 from dataclasses import dataclass
 
 from igatools.driver.programs import Failed
+from igatools.unit_systems import SYSTEMS
 
 STANDARD_GRAVITY = 9.80665  # m/s²
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 
-# Powers of mass, length and time.
-MEASURES = {"length": (0, 1, 0), "time": (0, 0, 1), "speed": (0, 1, -1), "acceleration": (0, 1, -2), "force": (1, 1, -2),
-            "stress": (1, -1, -2), "energy": (1, 2, -2)}
 # In SI.
 KNOWN = {"length": {"um": 1e-6, "µm": 1e-6, "mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "ft": 0.3048},
          "speed": {"mm/s": 1e-3, "m/s": 1.0, "km/h": 1 / 3.6},
          "acceleration": {"mm/s2": 1e-3, "mm/s²": 1e-3, "m/s2": 1.0, "m/s²": 1.0, "g": STANDARD_GRAVITY},
          "force": {"N": 1.0, "kN": 1e3}, "stress": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "bar": 1e5},
          "time": {"us": 1e-6, "µs": 1e-6, "ms": 1e-3, "s": 1.0}}
-
-
-@dataclass(frozen=True)
-class UnitSystem:
-    """As igasolve's --unit-system names it; units of mass, length and time in SI, and what others are called."""
-    name: str
-    mass: float
-    length: float
-    time: float
-    symbols: dict
-
-    def unit(self, measure):
-        """Of a measure, in SI."""
-        m, l, t = MEASURES[measure]
-        return self.mass**m * self.length**l * self.time**t
-
-    def symbol(self, measure):
-        return self.symbols[measure]
-
-
-def symbols(length, time, force, stress, energy):
-    return {"length": length, "time": time, "speed": f"{length}/{time}", "acceleration": f"{length}/{time}²", "force": force,
-            "stress": stress, "energy": energy}
-
-
-SYSTEMS = {system.name: system for system in (
-    UnitSystem("t-mm-s", 1e3, 1e-3, 1.0, symbols("mm", "s", "N", "MPa", "mJ")),
-    UnitSystem("kg-mm-ms", 1.0, 1e-3, 1e-3, symbols("mm", "ms", "kN", "GPa", "J")),
-    UnitSystem("SI", 1.0, 1.0, 1.0, symbols("m", "s", "N", "Pa", "J")))}
 
 
 @dataclass(frozen=True)

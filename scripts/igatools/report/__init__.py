@@ -3,6 +3,7 @@ import json
 from pathlib import Path
 
 from igatools.report import page
+from igatools.whole_file import write_text
 
 JSON_NAME, PAGE_NAME = "report.json", "report.html"
 
@@ -15,7 +16,7 @@ def write_page(folder, report):
     """Writes the page of a report (the object of report.json) whose files lie in or below `folder`; its path."""
     folder = Path(folder)
     target = folder / PAGE_NAME
-    target.write_text(page.html(report, folder), encoding="utf-8")
+    write_text(target, page.html(report, folder))
     return target
 
 

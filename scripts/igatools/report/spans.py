@@ -1,7 +1,7 @@
 """Lines of the spans that hold material, in whole span numbers, joined where they go on straight."""
 import numpy as np
 
-INTERIOR, TRIMMED = 1, 2  # in /spans/state
+from igatools.iga_model import INTERIOR, TRIMMED
 
 
 def lines(model):
