@@ -161,7 +161,8 @@ def main(words, description):
         write_text(html, page.html(topics, outcomes, seconds))
         print(f"\n{len(outcomes)} cases in {seconds:.0f} s; page: {html}")
         if arguments.write:
-            page.write_readme(topics, outcomes)
+            for words in page.write_readme(topics, outcomes):
+                print(words, file=sys.stderr)
     for line in missed:
         print(f"missed: {line}")
     if any(outcome.faults for outcome in outcomes):

@@ -4,12 +4,11 @@ import re
 from pathlib import Path
 
 from book import pictures
-from book.case import BookError
 from igatools.whole_file import write_text
 
 README = Path(__file__).resolve().parents[1] / "README.md"
 TABLES = "<!-- tables: written by scripts/verify --write -->", "<!-- end of tables -->"
-HEADER = ("case", "quantity", "exact", "coarse", "middle", "fine", "order", "claimed", "CalculiX", "ours / CalculiX", "s")
+HEADER = ("case", "quantity", "exact", "coarse", "middle", "fine", "order", "claimed", "CalculiX", "ours / CalculiX", "CPU s")
 
 
 def percent(share):
@@ -99,17 +98,21 @@ def markdown_topic(topic, heading, outcomes):
 
 
 def write_readme(topics, outcomes, path=README):
-    """Replaces the tables of the topics that ran whole; those of other topics stay, those of topics that are gone go."""
+    """Replaces the tables of the topics that ran whole and without faults; those of other topics stay, of topics that are gone go.
+    Returns words about topics whose tables stay."""
     text = path.read_text(encoding="utf-8")
     begin, end = (text.index(marker) for marker in TABLES)
     old = dict(re.findall(r"<!-- topic (\w+) -->\n(.*?)<!-- end of \1 -->", text[begin:end], re.S))
     new = {topic: f"<!-- topic {topic} -->\n{body}<!-- end of {topic} -->" for topic, body in old.items() if topic in topics}
+    kept = []
     for topic, heading, of_topic in by_topic(topics, outcomes):
-        if len(of_topic) != len(topics[topic][1]) or any(outcome.faults for outcome in of_topic):
-            raise BookError(f"--write: topic '{topic}' did not run whole and without faults; its table stays")
-        new[topic] = markdown_topic(topic, heading, of_topic)
+        if len(of_topic) == len(topics[topic][1]) and not any(outcome.faults for outcome in of_topic):
+            new[topic] = markdown_topic(topic, heading, of_topic)
+        else:
+            kept.append(f"--write: topic '{topic}' did not run whole and without faults; its table in {path} stays as it was")
     tables = "\n\n".join(new[topic] for topic in topics if topic in new)
     write_text(path, f"{text[:begin]}{TABLES[0]}\n\n{tables}\n\n{text[end:]}")
+    return kept
 
 
 # ------------------------------------------------------------------------------------------------------------------- html
@@ -120,8 +123,8 @@ h1 { font-size: 1.7em; } h2 { margin-top: 2.2em; border-bottom: 2px solid #d5dde
 table { border-collapse: collapse; font-size: 13px; margin: .6em 0; } td, th { padding: .25em .55em; text-align: right; white-space: nowrap; }
 th { background: #eef2f6; font-weight: 600; } td:first-child, th:first-child { text-align: left; } tr + tr td { border-top: 1px solid #e3e8ee; }
 .unknowns td { color: #66727f; } .missed td, .fault { background: #fde7e4; } .worse { color: #b3541e; } .better { color: #1c7a3e; }
-.case { display: grid; grid-template-columns: 230px 1fr; gap: 0 1.4em; margin-bottom: 1.6em; } .case img { width: 230px; }
-.case p { margin: .25em 0; } .small { color: #55606c; font-size: 13px; } code { background: #eef2f6; padding: 0 .25em; }
+.case { display: grid; grid-template-columns: 230px minmax(0, 1fr); gap: 0 1.4em; margin-bottom: 1.6em; } .case img { width: 230px; }
+.case > div { overflow-x: auto; } .case p { margin: .25em 0; } .small { color: #55606c; font-size: 13px; } code { background: #eef2f6; padding: 0 .25em; }
 """
 
 
@@ -164,8 +167,8 @@ def html(topics, outcomes, seconds):
     held = sum(not outcome.missed() and not outcome.faults for outcome in outcomes)
     summary = (f"<p>{held} of {len(outcomes)} cases hold what they claim at their finest grid. All took {seconds:.0f} s, each program on one "
                "thread. <i>Order</i>: slope of the error between the two finest grids over the span size. <i>ours / CalculiX</i>: our error "
-               "over that of CalculiX, at the grid whose unknowns are nearest to its own (within a factor of two). Times are those of "
-               "igaprep and igasolve at the finest grid.</p>")
+               "over that of CalculiX, at the grid whose unknowns are nearest to its own (within a factor of two). <i>CPU s</i>: igaprep and "
+               "igasolve at the finest grid.</p>")
     if better or like or worse:
         summary += (f"<p>Beside CalculiX with like numbers of unknowns: <span class=better>{better} quantities have a smaller error</span>, "
                     f"{like} a like one, <span class=worse>{len(worse)} a larger one</span>"

@@ -36,11 +36,26 @@ def box(low, high):
 
 
 def ball(radius, facets):
-    """A sphere about the origin: the surface of a cube with `facets` by `facets` squares on each side, at equal angles."""
+    """A sphere about the origin: the surface of a cube with `facets` by `facets` squares on each side, at equal angles. It is enlarged
+    until it has the sphere's volume, so that facets matter to second order."""
     def mapping(x):
         y = np.tan(np.pi / 4 * (2 * x - 1))
         return radius * y / np.linalg.norm(y, axis=1)[:, None]
-    return block_surface_only(mapping, facets)
+    found = block_surface_only(mapping, facets)
+    return found * (4 / 3 * np.pi * radius**3 / volume(found))**(1 / 3)
+
+
+def pyramid(inner, outer, angle, facets):
+    """Part of a hollow sphere between the planes x = 0 and y = 0 and those turned by `angle` (radians) from them about the centre."""
+    return block(pyramid_mapping(inner, outer, angle), (facets, facets, 1))
+
+
+def pyramid_mapping(inner, outer, angle):
+    def mapping(x):
+        t = np.tan(angle * x[:, :2])
+        direction = np.column_stack([t, np.ones(len(x))])
+        return (inner + (outer - inner) * x[:, 2:]) * direction / np.linalg.norm(direction, axis=1)[:, None]
+    return mapping
 
 
 def block_surface_only(mapping, n):
@@ -54,10 +69,24 @@ def block_surface_only(mapping, n):
 def wedge(inner, outer, height, angle, facets, layers=1):
     """Sector of a tube about the z axis from angle 0 to `angle` (radians), z = 0 … height; `facets` along either arc. inner = 0: of a
     cylinder."""
+    return block(wedge_mapping(inner, outer, height, angle), (1, facets, layers))
+
+
+def wedge_mapping(inner, outer, height, angle):
     def mapping(x):
         r, t = inner + (outer - inner) * x[:, 0], angle * x[:, 1]
         return np.stack([r * np.cos(t), r * np.sin(t), height * x[:, 2]], 1)
-    return block(mapping, (1, facets, layers))
+    return mapping
+
+
+def cylinder(radius, height, facets):
+    """About the z axis, z = 0 … height, of a regular prism with the cylinder's volume."""
+    t = 2 * np.pi * np.arange(facets) / facets
+    at = radius * np.sqrt(2 * np.pi / (facets * np.sin(2 * np.pi / facets))) * np.stack([np.cos(t), np.sin(t)], 1)
+    a, b = np.column_stack([at, np.zeros(facets)]), np.column_stack([np.roll(at, -1, 0), np.zeros(facets)])
+    up, middle = np.array([0, 0, float(height)]), np.zeros_like(a)
+    return np.concatenate([np.stack([middle, b, a], 1), np.stack([middle + up, a + up, b + up], 1), np.stack([a, b, b + up], 1),
+                           np.stack([a, b + up, a + up], 1)])
 
 
 def octant(inner, outer, facets):

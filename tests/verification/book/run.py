@@ -34,7 +34,7 @@ def run_file(**keys):
 
 
 class Run:
-    """What a case's function gets. It counts the seconds of all programs and keeps the unknowns of the last analysis.
+    """What a case's function gets. It counts the CPU seconds of all programs and keeps the unknowns of the last analysis.
 
     folder      of this run alone, empty at first
     programs    folder of igaprep and igasolve
@@ -80,14 +80,14 @@ class Run:
     def program(self, *command, log):
         """Runs another program in the folder. Raises RunError where it fails."""
         measured = measured_run(command, self.folder / f"{log}.log", self.folder, self.threads)
-        self.seconds += measured["wall_s"]
+        self.seconds += measured["cpu_s"]
         if measured["exit_code"] != 0:
             raise RunError(f"{Path(command[0]).name} ended with exit code {measured['exit_code']}; see {self.folder / log}.log")
 
     def _report(self, tool, *words, log):
         measured, found = measured_report([self.programs / tool, *words, "--json", "--threads", self.threads],
                                           self.folder / f"{log}.log", self.threads)
-        self.seconds += measured["wall_s"]
+        self.seconds += measured["cpu_s"]
         return found
 
 
