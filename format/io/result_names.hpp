@@ -10,7 +10,7 @@
 namespace iga::io::result_names {
 
 constexpr const char* format = "iga-trimmed-solid-results";
-constexpr const char* format_version = "1.4";
+constexpr const char* format_version = "1.5";
 constexpr int format_major = 1;
 
 constexpr std::array<EnumName, 3> kinds{{{"RIGID", 0}, {"ELASTIC", 1}, {"MECHANISM", 2}}};
@@ -42,6 +42,11 @@ constexpr DatasetText omega_squared{"/eigen/omega_squared", "1/time^2", "(mode),
                                     "eigenvalues as computed; those of rigid modes may lie slightly below 0"};
 constexpr DatasetText residuals{"/eigen/residual", "1", "(mode)", "relative residual of each eigenpair"};
 constexpr DatasetText kind{"/eigen/kind", "1", "(mode)", "what each mode is"};
+constexpr DatasetText participation{"/eigen/participation", "mass^(1/2)", "(mode; x y z)",
+                                    "phi^T M r of translations r along x, y, z; squares are effective masses"};
+constexpr DatasetText rotation_participation{
+    "/eigen/rotation_participation", "mass^(1/2)*length", "(mode; x y z)",
+    "phi^T M r of rotations r about the axes x, y, z through the centre of mass"};
 
 constexpr const char* strain_order = "(point; xx yy zz xy yz zx)";
 constexpr DatasetText displacement{"/static/displacement", "length", "(active function; x y z)",

@@ -119,6 +119,20 @@ void expect_same_modes(const H5Reader& file, const EigenResult& e) {
   }
 }
 
+// Since 1.5.
+void read_participation(const H5Reader& file, std::int64_t num_modes, EigenResult& e) {
+  for (const auto& [text, values] : {std::pair{&result::participation, &e.participation},
+                                     std::pair{&result::rotation_participation, &e.rotation_participation}})
+    if (file.has(text->path)) *values = finite(file, *text, {num_modes, 3});
+  if (file.has_attribute(result::eigen, "total_mass")) e.total_mass = amount(file, result::eigen, "total_mass");
+  for (const auto& [name, value] :
+       {std::pair{"total_inertia", &e.total_inertia}, std::pair{"centre_of_mass", &e.centre_of_mass}})
+    if (file.has_attribute(result::eigen, name)) {
+      const auto numbers = file.numbers<double>(result::eigen, name, {3});
+      std::copy(numbers.begin(), numbers.end(), value->begin());
+    }
+}
+
 EigenResult read_eigen(const H5Reader& file, std::int64_t num_functions) {
   EigenResult e;
   e.mass = file.text(result::eigen, "mass");
@@ -133,6 +147,7 @@ EigenResult read_eigen(const H5Reader& file, std::int64_t num_functions) {
   expect_range(file, result::kind, e.kind, static_cast<std::int64_t>(result::kinds.size()));
   expect_same_modes(file, e);
   e.modes = finite(file, result::modes, {n, num_functions, 3});
+  read_participation(file, n, e);
   return e;
 }
 

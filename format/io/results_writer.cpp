@@ -65,6 +65,12 @@ void write_eigen(H5Writer& file, const EigenResult& e, std::int64_t num_function
   write(file, result::residuals, e.residuals);
   file.enums(result::kind, {n}, e.kind, result::kinds);
   file.dataset(result::modes, {n, num_functions, 3}, std::span<const double>(e.modes));
+  if (e.participation.empty()) return;
+  file.attribute(result::eigen, "total_mass", e.total_mass);
+  file.attribute<double>(result::eigen, "total_inertia", {3}, e.total_inertia);
+  file.attribute<double>(result::eigen, "centre_of_mass", {3}, e.centre_of_mass);
+  file.dataset(result::participation, {n, 3}, std::span<const double>(e.participation));
+  file.dataset(result::rotation_participation, {n, 3}, std::span<const double>(e.rotation_participation));
 }
 
 // What the rows of a list of supports or loads have in common.

@@ -66,6 +66,12 @@ struct EigenResult {
   std::vector<double> residuals;     ///< (n_modes), ‖K φ - ω² M φ‖ relative as the solver's documentation says
   std::vector<std::uint8_t> kind;    ///< (n_modes), values of Kind
   std::vector<double> modes;         ///< (n_modes × n_f × 3): coefficients of all active functions, φᵀ M φ = 1
+  /// (n_modes × 3): participation φᵀ M r in translations along x, y, z and in rotations about the axes through the
+  /// centre of mass; mass^(1/2), mass^(1/2) · length. Their squares are effective masses. Empty in files before 1.5.
+  std::vector<double> participation, rotation_participation;
+  Point3 centre_of_mass{}; ///< length
+  double total_mass = 0;
+  Point3 total_inertia{}; ///< about the axes x, y, z through the centre of mass; mass · length²
 };
 
 /// What holds the part on one region.

@@ -26,6 +26,8 @@ def result_tables(results):
     if results.analysis == "eigen":
         yield (of("frequencies").plain("mode", np.arange(1, len(results.frequencies) + 1)).add("/frequencies", "frequency")
                .add("/eigen/omega_squared").plain("kind", [kind.lower() for kind in results.kinds()]).add("/eigen/residual"))
+        if "/eigen/participation" in results:
+            yield participation_table(results, of("participation"))
     elif results.analysis == "static":
         yield added(of("reactions"), "/static/supports", ("name", "method", *FORCES))
         yield added(of("loads"), "/static/loads", ("name", "kind", *FORCES))
@@ -35,6 +37,20 @@ def result_tables(results):
         yield from series_tables(results, of)
     if "/surface" in results:
         yield surface_table(results, of("surface"))
+
+
+def participation_table(results, table):
+    """Participation factors, effective masses, and their sums from the first mode on as shares of the whole part's."""
+    order = "(mode; x y z)"
+    table.plain("mode", np.arange(1, len(results.frequencies) + 1)).add("/frequencies", "frequency")
+    table.add("/eigen/participation").add("/eigen/rotation_participation")
+    masses, inertias = (results[f"/eigen/{name}"]**2 for name in ("participation", "rotation_participation"))
+    table.numbers("effective_mass", "mass", masses, order).numbers("effective_inertia", "mass*length^2", inertias, order)
+    for heading, values, total in (("mass_sum", masses, np.repeat(results.attribute("/eigen", "total_mass"), 3)),
+                                   ("inertia_sum", inertias, results.attribute("/eigen", "total_inertia"))):
+        sums = np.cumsum(values, axis=0)
+        table.numbers(heading, "1", np.divide(sums, total, out=np.zeros_like(sums), where=total > 0), order)
+    return table
 
 
 def series_tables(results, of):

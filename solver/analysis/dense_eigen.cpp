@@ -46,6 +46,7 @@ MatrixXd full_mass(const MassOperator& mass, const VectorXd& scale, const Matrix
   } else {
     for (Index i = 0; i < mass.masses()->size(); ++i) add(i, i, (*mass.masses())[i]);
   }
+  if (mass_free.cols() == 0) return A; // a held part; Eigen divides by the number of columns
   const MatrixXd taken = scale.asDiagonal() * mass_free;
   A.triangularView<Eigen::Lower>() -= taken * taken.transpose();
   return A;

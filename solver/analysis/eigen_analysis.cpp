@@ -66,6 +66,7 @@ EigenOutcome find_modes(const RunSettings& run, const EigenSettings& settings, s
     outcome.modes = lowest_modes(problem, settings);
     outcome.timings.insert(outcome.timings.end(), outcome.modes.timings.begin(), outcome.modes.timings.end());
     outcome.warnings.insert(outcome.warnings.end(), outcome.modes.warnings.begin(), outcome.modes.warnings.end());
+    outcome.participation = participation(outcome.system, system.M, outcome.modes.vectors);
     estimate_errors(run, settings, system.bound, outcome);
   }
   return outcome;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "solver/analysis/eigen_solver.hpp"
+#include "solver/analysis/participation.hpp"
 #include "solver/analysis/prepared_system.hpp"
 #include "solver/mechanics/element_bound.hpp"
 
@@ -12,7 +13,8 @@ struct EigenOutcome : SystemOutcome {
   ModeSet modes; ///< empty under `largest`
   /// Estimated errors of ω² of the modes (0 of rigid ones); none where they were not asked for or cannot be told.
   std::optional<Eigen::VectorXd> lambda_error;
-  double omega_max = 0; ///< under `largest`: converged to 1e-8, no factor
+  Participation participation; ///< of the modes
+  double omega_max = 0;        ///< under `largest`: converged to 1e-8, no factor
   double omega_max_residual = 0;
   std::optional<ElementBound> element; ///< under `largest`
   std::int64_t bodies = 0;             ///< mechanically separate ones

@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace iga::solve {
 
@@ -75,30 +76,31 @@ struct Pairs {
 class Search {
  public:
   Search(const EigenProblem& problem, const EigenSettings& settings, ModeSet& set)
-      : problem_(problem), settings_(settings), set_(set), shift_(-shift_share * problem.lambda_scale),
-        watch_(set.timings) {
+      : problem_(problem), settings_(settings), set_(set), modes_(settings.modes),
+        shift_(-shift_share * problem.lambda_scale), watch_(set.timings) {
     free_ = free_motions(*problem.stiffness, *problem.mass, problem.constraints, problem.motions, problem.lambda_scale);
     const Index constraints = problem.constraints ? problem.constraints->rows() : 0;
     dimensions_ = std::max<Index>(0, problem.mass->size() - free_.vectors.cols() - constraints);
-    if (settings.modes > dimensions_)
+    if (!settings.modes_below && modes_ > dimensions_)
       throw InputError(fmt::format("{} modes were asked for, but the model has {} unknowns, {} rigid motions and {} "
                                    "constraints; ask for at most {} modes or use smaller spans",
-                                   settings.modes, problem.mass->size(), free_.vectors.cols(), constraints,
-                                   dimensions_));
-    dense_ = constraints == 0 && problem.mass->passes() == 1 && settings.modes >= dense_least &&
-             dense_share * settings.modes > dimensions_ && dense_bytes(problem.mass->size()) < free_memory();
+                                   modes_, problem.mass->size(), free_.vectors.cols(), constraints, dimensions_));
     watch_.stage("rigid modes");
     show_stage(problem.progress, "analysis of the matrix");
     inverse_ = std::make_unique<ShiftInvert>(problem_, shift_);
     set_.factor = inverse_->cost();
     watch_.stage("factorisation");
+    if (settings.modes_below) modes_ = first_guess_below();
+    dense_ = takes_dense();
   }
 
   void run() {
     find_lowest();
     come_closer();
+    if (settings_.modes_below)
+      while (!settle_limit()) find_more();
     polish();
-    if (settings_.sturm.value_or(problem_.mass->size() < sturm_default) && problem_.mass->passes() == 1)
+    if (counts_modes())
       sturm_check();
     else
       search_again();
@@ -106,6 +108,61 @@ class Search {
   }
 
  private:
+  bool counts_modes() const {
+    return settings_.sturm.value_or(problem_.mass->size() < sturm_default) && problem_.mass->passes() == 1;
+  }
+
+  double limit() const { return std::pow(2 * std::numbers::pi * *settings_.modes_below, 2); }
+
+  bool takes_dense() const {
+    return !(problem_.constraints && problem_.constraints->rows() > 0) && problem_.mass->passes() == 1 &&
+           modes_ >= dense_least && dense_share * modes_ > dimensions_ &&
+           dense_bytes(problem_.mass->size()) < free_memory();
+  }
+
+  // Elastic modes below the frequency asked for, by inertia; where none is made, a number to begin with. What is found
+  // has the last word (settle_limit).
+  int first_guess_below() {
+    constexpr int some = 10;
+    std::int64_t count = some;
+    if (counts_modes()) {
+      show_stage(problem_.progress, "Sturm count");
+      count = eigenvalues_below(limit(), inverse_->added_to_diagonal()) - free_.vectors.cols();
+      watch_.stage("Sturm count");
+      refuse_too_many(count, "");
+    }
+    return static_cast<int>(std::clamp<std::int64_t>(count, 1, dimensions_));
+  }
+
+  void refuse_too_many(std::int64_t count, const char* more) const {
+    const double bytes = 8.0 * 3 * static_cast<double>(count) * static_cast<double>(problem_.mass->size());
+    if (count <= most_modes_below && bytes < free_memory()) return;
+    throw InputError(fmt::format(
+        "modes_below = {:g}: {}{} elastic modes lie below this frequency, {}; lower it, or "
+        "ask for a number of modes",
+        *settings_.modes_below, more, count,
+        count > most_modes_below
+            ? fmt::format("at most {} are given", most_modes_below)
+            : fmt::format("and their vectors take {:.2f} GiB, more than is free", bytes / (1024.0 * 1024 * 1024))));
+  }
+
+  // Keeps the pairs below the frequency asked for, the last multiplet whole; false where more have to be found first.
+  bool settle_limit() {
+    const Index below = (pairs_.lambda.array() < limit()).count();
+    if (below == pairs_.lambda.size() && below < dimensions_) return false;
+    modes_ = static_cast<int>(std::max<Index>(1, below - mechanisms()));
+    whole_ = whole_count();
+    if (whole_ > 0) modes_ = static_cast<int>(whole_ - mechanisms());
+    return whole_ > 0;
+  }
+
+  void find_more() {
+    refuse_too_many(std::max<std::int64_t>(modes_, pairs_.lambda.size() - mechanisms()), "at least ");
+    modes_ = static_cast<int>(std::min<Index>({2 * Index{modes_}, dimensions_, Index{most_modes_below} + 1}));
+    dense_ = takes_dense();
+    find_lowest();
+  }
+
   // Modes of a thin part lie far below what its length suggests; seen from the first shift they and the rigid motions
   // are one cluster. From a shift of their own size they stand apart.
   void come_closer() {
@@ -124,10 +181,10 @@ class Search {
     show_stage(problem_.progress, "dense eigenvalue solver");
     MatrixXd X = dense_modes(problem_, shift_, free_.mass_vectors, static_cast<int>(wanted));
     if (X.cols() < wanted) dimensions_ = X.cols();
-    if (settings_.modes > dimensions_)
+    if (modes_ > dimensions_)
       throw InputError(fmt::format("{} modes were asked for, but the quadrature points give the model mass in {} "
                                    "directions only, beside {} rigid motions; ask for at most {} modes",
-                                   settings_.modes, dimensions_, free_.vectors.cols(), dimensions_));
+                                   modes_, dimensions_, free_.vectors.cols(), dimensions_));
     watch_.stage("dense solver");
     return X;
   }
@@ -159,7 +216,7 @@ class Search {
   // Of the elastic pairs that are kept, without the forces of constraints.
   double worst_residual() const {
     double worst = 0;
-    for (Index k = mechanisms(); k < std::min(whole_, mechanisms() + settings_.modes); ++k) {
+    for (Index k = mechanisms(); k < std::min(whole_, mechanisms() + modes_); ++k) {
       VectorXd defect = pairs_.KX.col(k) - pairs_.lambda[k] * pairs_.MX.col(k);
       if (problem_.constraints) defect -= inverse_->constraint_forces(defect);
       worst = std::max(worst, defect.norm() / (std::abs(pairs_.lambda[k]) * pairs_.MX.col(k).norm()));
@@ -243,7 +300,7 @@ class Search {
 
   // Number of pairs below the first gap of the spectrum behind the modes asked for; 0 where all lie in one multiplet.
   Index whole_count() const {
-    for (Index k = mechanisms() + settings_.modes; k < pairs_.lambda.size(); ++k)
+    for (Index k = mechanisms() + modes_; k < pairs_.lambda.size(); ++k)
       if (gap_after(k - 1)) return k;
     return pairs_.lambda.size() >= dimensions_ ? pairs_.lambda.size() : 0;
   }
@@ -261,7 +318,7 @@ class Search {
     // A few more than asked for, to see where a multiplet ends.
     Index extra = 3;
     for (;;) {
-      const Index wanted = std::min<Index>(dimensions_, settings_.modes + extra);
+      const Index wanted = std::min<Index>(dimensions_, modes_ + extra);
       pairs_.X = dense_ ? dense(wanted) : lanczos(static_cast<int>(wanted), lanczos_tolerance, false, 1);
       if (!dense_) watch_.stage("Lanczos");
       pairs_.rayleigh_ritz(problem_);
@@ -282,12 +339,14 @@ class Search {
     pairs_.append(missed);
     pairs_.rayleigh_ritz(problem_);
     whole_ = whole_count();
+    if (settings_.modes_below) settle_limit();
     if (whole_ == 0)
       throw NumericalError(
           "the modes found end inside a multiplet after missed ones were taken in; ask for more modes");
   }
 
-  void sturm_check() {
+  // By the inertia of K - λ M. @param added  to the unit diagonal of the scaled matrix
+  std::int64_t eigenvalues_below(double lambda, double added) const {
     SystemMatrix system;
     system.stiffness = problem_.stiffness;
     if (problem_.mass->is_consistent())
@@ -295,15 +354,20 @@ class Search {
     else
       system.lumped_mass = problem_.mass->masses();
     system.constraints = problem_.constraints;
-    system.added = inverse_->added_to_diagonal();
+    system.added = added;
+    system.shift = lambda;
+    const Inertia counts = inertia(system);
+    // Each constraint that is not redundant adds a negative eigenvalue.
+    return counts.negative - (problem_.constraints ? problem_.constraints->rows() - counts.zero : 0);
+  }
+
+  void sturm_check() {
+    const double added = inverse_->added_to_diagonal();
     constexpr int most_rounds = 4;
     for (int round = 0; round < most_rounds; ++round) {
       show_stage(problem_.progress, "Sturm count");
-      system.shift = gap();
-      const Inertia counts = inertia(system);
-      // Each constraint that is not redundant adds a negative eigenvalue.
-      const std::int64_t constraints = problem_.constraints ? problem_.constraints->rows() - counts.zero : 0;
-      set_.sturm = SturmCount{system.shift, counts.negative - constraints, free_.vectors.cols() + whole_};
+      const double shift = gap();
+      set_.sturm = SturmCount{shift, eigenvalues_below(shift, added), free_.vectors.cols() + whole_};
       watch_.stage("Sturm count");
       const std::int64_t missing = set_.sturm->expected - set_.sturm->found;
       if (missing == 0) return;
@@ -311,7 +375,7 @@ class Search {
       take_in(lanczos(static_cast<int>(missing), lanczos_tolerance, true, static_cast<std::uint64_t>(round) + 2));
       watch_.stage("Lanczos again");
     }
-    if (!(system.added > 0))
+    if (!(added > 0))
       throw NumericalError(fmt::format("the Sturm count finds {} eigenvalues below omega² = {:.6g}, Lanczos {}: one of "
                                        "them is wrong by rounding",
                                        set_.sturm->expected, set_.sturm->shift, set_.sturm->found));
@@ -342,7 +406,7 @@ class Search {
     const Index r = free_.vectors.cols();
     const double first_guess = first_elastic_guess();
     const Index floppy = (pairs_.lambda.head(whole_).array() < no_stiffness * first_guess).count();
-    const Index elastic = std::min<Index>(settings_.modes, whole_ - floppy), count = floppy + elastic;
+    const Index elastic = std::min<Index>(modes_, whole_ - floppy), count = floppy + elastic;
     const double first = pairs_.lambda[floppy];
     set_.rigid = r;
     set_.mechanisms = floppy;
@@ -360,6 +424,9 @@ class Search {
       set_.warnings.push_back(fmt::format("{} modes beside the rigid ones have no stiffness: parts of the model are "
                                           "connected by too little material",
                                           floppy));
+    if (settings_.modes_below && first >= limit())
+      set_.warnings.push_back(
+          fmt::format("no elastic mode lies below {:g}; the first one is given", *settings_.modes_below));
     if (count < whole_)
       set_.warnings.push_back(
           fmt::format("the last mode belongs to a multiplet; --modes {} gives it whole", whole_ - floppy));
@@ -456,6 +523,7 @@ class Search {
   const EigenProblem& problem_;
   const EigenSettings& settings_;
   ModeSet& set_;
+  int modes_; // elastic ones to find
   double shift_;
   bool dense_ = false;
   Stopwatch watch_;
@@ -468,6 +536,8 @@ class Search {
 } // namespace
 
 ModeSet lowest_modes(const EigenProblem& problem, const EigenSettings& settings) {
+  if (settings.modes_below && !(*settings.modes_below > 0))
+    throw InputError(fmt::format("modes_below: found {:g}, expected a frequency above 0", *settings.modes_below));
   if (settings.modes < 1)
     throw InputError(fmt::format("{} modes were asked for; ask for at least one", settings.modes));
   ModeSet set;

@@ -53,8 +53,9 @@ struct ModeSet {
 /// Largest residual that an eigenpair may have.
 constexpr double residual_limit = 1e-8;
 
-/// The rigid modes, mechanisms and `settings.modes` elastic modes of lowest frequency.
-/// @throws InputError for more modes than unknowns, or where the factor will not fit into memory
+/// The rigid modes, mechanisms and `settings.modes` elastic modes of lowest frequency, or all below a frequency: where
+/// a Sturm count is made, it says at first how many these are; else more are searched for until one lies above.
+/// @throws InputError for more modes than unknowns or most_modes_below, or where the factor will not fit into memory
 /// @throws NumericalError where a residual stays above residual_limit, or modes stay missing
 ModeSet lowest_modes(const EigenProblem& problem, const EigenSettings& settings);
 

@@ -151,7 +151,7 @@ std::vector<io::TableKeys> run_keys() {
       {"material", {"name", "E", "nu", "rho", "C"}},
       {"bodies", {"light_functions", "light_threshold"}},
       {"bodies.material", {"law", "name", "E", "nu", "rho", "C"}},
-      {"eigen", {"modes", "largest", "sturm", "errors"}},
+      {"eigen", {"modes", "modes_below", "largest", "sturm", "errors"}},
       {"results", {"subdivide", "viewer"}},
       {"load", {"body"}},
       {"support",
@@ -230,6 +230,8 @@ TypedRun read_run_file(const std::filesystem::path& file) {
   t.ties = read_ties(root);
   io::SettingsTable eigen = root.table("eigen");
   t.modes = eigen.integer("modes");
+  t.modes_below = eigen.number("modes_below");
+  if (t.modes && t.modes_below) refuse(eigen, "modes_below", "given together with modes; give one of them");
   t.largest = eigen.boolean("largest");
   t.sturm = eigen.boolean("sturm");
   t.errors = eigen.boolean("errors");
@@ -266,7 +268,11 @@ TypedRun override_run(TypedRun t, const TypedRun& flags) {
   take(material.E, flags.material.E);
   take(material.nu, flags.material.nu);
   take(material.rho, flags.material.rho);
-  take(t.modes, flags.modes);
+  if (flags.modes && flags.modes_below) throw InputError("--modes and --modes-below are both given; give one of them");
+  if (flags.modes || flags.modes_below) { // in the place of the file's choice
+    t.modes = flags.modes;
+    t.modes_below = flags.modes_below;
+  }
   take(t.largest, flags.largest);
   take(t.sturm, flags.sturm);
   take(t.errors, flags.errors);
@@ -316,6 +322,9 @@ RunSettings validate_run(const TypedRun& typed, Analysis analysis) {
   run.supports = typed.supports;
   run.statics = typed.statics;
   if (typed.modes) run.eigen.modes = whole("modes", *typed.modes, 1, 1'000'000);
+  if (typed.modes_below && !(*typed.modes_below > 0))
+    throw InputError(fmt::format("modes_below: found {:g}, expected a frequency above 0", *typed.modes_below));
+  run.eigen.modes_below = typed.modes_below;
   run.eigen.sturm = typed.sturm;
   run.eigen.errors = typed.errors;
   if (typed.subdivide) run.subdivide = whole("subdivide", *typed.subdivide, 1, 64);

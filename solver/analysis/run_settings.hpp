@@ -48,6 +48,7 @@ struct TypedRun {
   TypedMaterial material;
   const UnitSystem* unit = nullptr; ///< by complete_materials: that of the numbers; null where nobody asks for one
   std::optional<std::int64_t> modes, subdivide;
+  std::optional<double> modes_below; ///< cycles per time
   std::optional<bool> largest, sturm, errors, viewer;
   std::vector<TypedBody> bodies; ///< run files only
   std::vector<Tie> ties;         ///< run files only

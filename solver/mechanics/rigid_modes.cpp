@@ -1,6 +1,7 @@
 #include "solver/mechanics/rigid_modes.hpp"
 
 #include "solver/base/dense_algebra.hpp"
+#include "solver/base/eigen_points.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -81,6 +82,14 @@ MatrixXd unconstrained(const MatrixXd& V, const ConstraintMatrix* C) {
   return V * svd.vectors.rightCols(V.cols() - fixed);
 }
 
+// What six motions do to one node, which lies at `arm` from their axes; in columns first … first + 5.
+void move_node(MatrixXd& motions, Index node, Index first, const Eigen::Vector3d& arm) {
+  for (Index d = 0; d < 3; ++d) {
+    motions(3 * node + d, first + d) = 1;
+    motions.block<3, 1>(3 * node, first + 3 + d) = Eigen::Vector3d::Unit(d).cross(arm);
+  }
+}
+
 } // namespace
 
 Bodies separate_bodies(const NodePattern& pattern) {
@@ -110,12 +119,15 @@ MatrixXd rigid_motions(const BodySystem& system, const Bodies& bodies) {
   MatrixXd motions = MatrixXd::Zero(system.num_unknowns(), 6 * bodies.count);
   for (Index i = 0; i < points.rows(); ++i) {
     const Index body = bodies.of_node[static_cast<std::size_t>(i)];
-    const Eigen::Vector3d arm = (points.row(i) - middle.row(body) / nodes[body]).transpose();
-    for (Index d = 0; d < 3; ++d) {
-      motions(3 * i + d, 6 * body + d) = 1;
-      motions.block<3, 1>(3 * i, 6 * body + 3 + d) = Eigen::Vector3d::Unit(d).cross(arm);
-    }
+    move_node(motions, i, 6 * body, (points.row(i) - middle.row(body) / nodes[body]).transpose());
   }
+  return motions;
+}
+
+MatrixXd rigid_motions(const BodySystem& system, const Point3& centre) {
+  const auto points = system.node_points();
+  MatrixXd motions = MatrixXd::Zero(system.num_unknowns(), 6);
+  for (Index i = 0; i < points.rows(); ++i) move_node(motions, i, 0, points.row(i).transpose() - as_vector(centre));
   return motions;
 }
 

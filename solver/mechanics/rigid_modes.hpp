@@ -16,6 +16,8 @@ Bodies separate_bodies(const SolutionSpace& space);
 /// Six columns per body: translations along and rotations about the axes through the middle of its nodes.
 /// (num_unknowns × 6 bodies)
 Eigen::MatrixXd rigid_motions(const BodySystem& system, const Bodies& bodies);
+/// The six of all bodies moving as one: rotations are about the axes through `centre`. (num_unknowns × 6)
+Eigen::MatrixXd rigid_motions(const BodySystem& system, const Point3& centre);
 
 /// ω² of the size of a part's first elastic ones: (π c / L)², slowest wave of all bodies over the diagonal of their
 /// nodes' box.

@@ -30,8 +30,8 @@ memory is exit code 2 and says so.)";
 const char* const analysis_footer =
     R"(Any consistent set of units: E in force/length², rho in mass/length³, frequencies in cycles per time. The run file
 (.toml) holds the flags' names with underscores: model, output, units, unit_system, material, materials, mass,
-light_functions, light_threshold; [material] name, E, nu, rho or C; [eigen] modes, largest, sturm, errors; [results] subdivide,
-viewer; [[support]], [[load]], [[probe]].
+light_functions, light_threshold; [material] name, E, nu, rho or C; [eigen] modes or modes_below, largest, sturm, errors;
+[results] subdivide, viewer; [[support]], [[load]], [[probe]].
 Several bodies, instead of model: [[bodies]] name, model, material, place, light_functions, light_threshold; [[ties]] name,
 bodies, first, second, tolerance, method, penalty_factor join their surfaces; supports, loads and probes say their body.
 Paths in it are relative to its folder; flags override it.)";
@@ -160,7 +160,7 @@ CLI::App* add_export(CLI::App& app, Raw& raw, ExportCommand& c) {
   auto* json = sub->add_flag("--json", raw.json, "Print the list of files as one JSON object");
   sub->add_flag("--quiet", raw.quiet, "Print errors only")->excludes(json);
   sub->footer(R"(Tables:
-  eigen      frequencies, surface, triangles
+  eigen      frequencies, participation, surface, triangles
   static     reactions, loads, probes, points, surface, triangles
   explicit   energy, contact_NAME, body_NAME, rigid_NAME, support_NAME, surface_NAME_STEP, triangles_NAME
   model      points, surface_points, spans, functions
@@ -201,6 +201,11 @@ std::optional<Command> parse_command_line(int argc, const char* const* argv) {
       add_analysis(app, "eigen", "Eigenfrequencies and modes, or the largest eigenfrequency", raw, analysis);
   add_mass(*eigen, analysis.typed, "consistent; lumped with --largest");
   eigen->add_option("--modes", analysis.typed.modes, "Number of elastic modes [10]")->type_name("N")->group("Method");
+  eigen
+      ->add_option("--modes-below", analysis.typed.modes_below,
+                   "Instead: all elastic modes below this frequency, cycles per time")
+      ->type_name("F")
+      ->group("Method");
   io::add_switch(*eigen, "--largest", analysis.typed.largest, "The largest eigenfrequency alone")->group("Method");
   io::add_switch(*eigen, "--sturm,!--no-sturm", analysis.typed.sturm,
                  "Prove by a Sturm count that no mode is missing [below 100 000 unknowns]")

@@ -37,6 +37,17 @@ double corrected_frequency(const EigenOutcome& outcome, Eigen::Index m) {
   return frequency(outcome.modes, m) * (1 - frequency_error(outcome, m));
 }
 
+void add_participation(const Participation& p, EigenResult& eigen) {
+  for (Eigen::Index m = 0; m < p.factors.rows(); ++m)
+    for (Eigen::Index d = 0; d < 3; ++d) {
+      eigen.participation.push_back(p.factors(m, d));
+      eigen.rotation_participation.push_back(p.factors(m, 3 + d));
+    }
+  eigen.centre_of_mass = p.centre;
+  eigen.total_mass = p.total.head<3>().mean();
+  eigen.total_inertia = {p.total[3], p.total[4], p.total[5]};
+}
+
 Results mode_results(const AnalysisRun& run, const EigenOutcome& outcome) {
   const BodySystem& system = outcome.system;
   const ModeSet& modes = outcome.modes;
@@ -44,6 +55,7 @@ Results mode_results(const AnalysisRun& run, const EigenOutcome& outcome) {
   EigenResult eigen;
   eigen.mass = solve::name_of(run.settings.mass);
   if (modes.sturm && modes.sturm->shift > 0) eigen.complete_below = std::sqrt(modes.sturm->shift) / two_pi;
+  add_participation(outcome.participation, eigen);
   std::vector<double> steps;
   for (Eigen::Index m = 0; m < modes.lambda.size(); ++m) {
     eigen.frequencies.push_back(frequency(modes, m));
@@ -69,6 +81,49 @@ io::JsonObject json_of(const SturmCount& count) {
       .add("below_frequency", std::sqrt(std::max(count.shift, 0.0)) / two_pi)
       .add("expected", count.expected)
       .add("found", count.found);
+}
+
+// Shares of mass and moments of inertia that the modes move, and in brackets their sums from the first mode on.
+void add_participation(TextReport& report, const EigenOutcome& outcome) {
+  const Participation& p = outcome.participation;
+  const Eigen::MatrixXd masses = p.effective_masses(), sums = p.summed_shares();
+  report.row(
+      "\neffective masses in % of the total (in brackets: summed up from the first mode), moments of inertia about "
+      "the centre of mass ({:.6g})",
+      fmt::join(p.centre, ", "));
+  report.row("{:>6}  {:>12}{:>16}{:>16}{:>16}{:>16}{:>16}{:>16}", "mode", "frequency", "x", "y", "z", "about x",
+             "about y", "about z");
+  for (Eigen::Index m = 0; m < masses.rows(); ++m) {
+    std::string cells;
+    for (Eigen::Index d = 0; d < 6; ++d)
+      cells +=
+          fmt::format("{:>7.3f} ({:>6.2f})", p.total[d] > 0 ? 100 * masses(m, d) / p.total[d] : 0, 100 * sums(m, d));
+    report.row("{:>6}  {:>12.6g}{}", m + 1, frequency(outcome.modes, m), cells);
+  }
+  std::string totals;
+  for (Eigen::Index d = 0; d < 6; ++d) totals += fmt::format("{:>16.6g}", p.total[d]);
+  report.row("{:>6}  {:>12}{}", "total", "", totals);
+  const Eigen::Index last = sums.rows() - 1;
+  report.row("these modes hold {:.3g}, {:.3g}, {:.3g} % of the mass along x, y, z; modes above them hold the rest{}",
+             100 * sums(last, 0), 100 * sums(last, 1), 100 * sums(last, 2),
+             outcome.regions.empty() ? "" : " (beside supports it hardly moves)");
+}
+
+io::JsonObject json_of(const Participation& p) {
+  const auto rows = [](const Eigen::MatrixXd& table) {
+    std::vector<std::vector<double>> all;
+    for (Eigen::Index m = 0; m < table.rows(); ++m) {
+      const Eigen::VectorXd row = table.row(m);
+      all.emplace_back(row.data(), row.data() + row.size());
+    }
+    return all;
+  };
+  return io::JsonObject()
+      .add("centre_of_mass", p.centre)
+      .add("total", std::vector<double>(p.total.begin(), p.total.end()))
+      .add("factors", rows(p.factors))
+      .add("effective_masses", rows(p.effective_masses()))
+      .add("summed_shares", rows(p.summed_shares()));
 }
 
 std::string modes_text(const AnalysisRun& run, const EigenOutcome& outcome) {
@@ -103,6 +158,7 @@ std::string modes_text(const AnalysisRun& run, const EigenOutcome& outcome) {
         "\nerror: estimated share by which the frequency of this grid lies too high, from what the mode leaves of the "
         "equations; corrected: less that.\n       Not in it: facets instead of the exact part, the material, the "
         "supports. At sharp re-entrant edges the error is two to four times larger.");
+  add_participation(report, outcome);
   report.row("");
   add_end(report, run);
   return report.text();
@@ -132,6 +188,7 @@ std::string modes_json(const AnalysisRun& run, const EigenOutcome& outcome) {
     }
     report.add("error_estimate", errors).add("corrected_frequencies", corrected);
   }
+  report.add("participation", json_of(outcome.participation));
   factor.add("nonzeros", modes.factor.nonzeros).add("flops", modes.factor.flops).add("bytes", modes.factor.bytes);
   report.add("factor", factor).add("solves", modes.solves);
   add_end(report, run);

@@ -80,6 +80,33 @@ void visit_modes(const EigenResult& e, const TableVisitor& visit) {
   visit(table);
 }
 
+// Sums from the first mode on, as shares of a total. (modes × 3)
+std::vector<double> summed_shares(const std::vector<double>& masses, const Point3& total) {
+  std::vector<double> sums = masses;
+  for (std::size_t k = 3; k < sums.size(); ++k) sums[k] += sums[k - 3];
+  for (std::size_t k = 0; k < sums.size(); ++k) sums[k] = total[k % 3] > 0 ? sums[k] / total[k % 3] : 0;
+  return sums;
+}
+
+void visit_participation(const EigenResult& e, const Units& units, const TableVisitor& visit) {
+  const auto squares = [](const std::vector<double>& factors) {
+    std::vector<double> all = factors;
+    for (double& x : all) x *= x;
+    return all;
+  };
+  const std::vector<double> mass = squares(e.participation), inertia = squares(e.rotation_participation);
+  const std::vector<double> mass_sum = summed_shares(mass, {e.total_mass, e.total_mass, e.total_mass}),
+                            inertia_sum = summed_shares(inertia, e.total_inertia);
+  CsvTable table("participation", e.frequencies.size());
+  table.add("mode", [](std::size_t row) { return fmt::format("{}", row + 1); });
+  table.numbers("frequency", "1/time", e.frequencies);
+  table.numbers("participation", "mass^(1/2)", e.participation, xyz);
+  table.numbers("rotation_participation", units("mass^(1/2)*length"), e.rotation_participation, xyz);
+  table.numbers("effective_mass", "mass", mass, xyz).numbers("effective_inertia", units("mass*length^2"), inertia, xyz);
+  table.numbers("mass_sum", "1", mass_sum, xyz).numbers("inertia_sum", "1", inertia_sum, xyz);
+  visit(table);
+}
+
 void add_vector(CsvTable& table, const std::string& title, const std::string& unit, const auto& list,
                 Point3 std::remove_cvref_t<decltype(list[0])>::*member) {
   for (std::size_t d = 0; d < 3; ++d)
@@ -185,6 +212,7 @@ std::vector<std::int64_t> owners(const std::vector<std::int64_t>& active, const 
 void visit_tables(const std::filesystem::path& file, const Results& results, const TableVisitor& visit) {
   const Units units(results.header.length_unit);
   if (results.eigen) visit_modes(*results.eigen, visit);
+  if (results.eigen && !results.eigen->participation.empty()) visit_participation(*results.eigen, units, visit);
   if (results.statics) visit_statics(*results.statics, units, visit);
   if (results.time_series) visit_series(*results.time_series, units, visit);
   if (results.surface) visit_surface(*results.surface, units, visit);

@@ -36,6 +36,11 @@ inline void expect_equal(const EigenResult& a, const EigenResult& b) {
   EXPECT_EQ(a.residuals, b.residuals);
   EXPECT_EQ(a.kind, b.kind);
   EXPECT_EQ(a.modes, b.modes);
+  EXPECT_EQ(a.participation, b.participation);
+  EXPECT_EQ(a.rotation_participation, b.rotation_participation);
+  EXPECT_EQ(a.total_mass, b.total_mass);
+  EXPECT_EQ(a.total_inertia, b.total_inertia);
+  EXPECT_EQ(a.centre_of_mass, b.centre_of_mass);
 }
 
 inline void expect_equal(const SupportResult& a, const SupportResult& b) {

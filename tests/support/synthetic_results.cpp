@@ -61,6 +61,11 @@ EigenResult make_eigen(const TrimmedModel& model) {
     e.omega_squared[elastic] = std::pow(2 * std::numbers::pi * e.frequencies[elastic], 2);
   e.residuals = counted(9, 1e-9);
   for (int mode = 0; mode < 9; ++mode) append_coefficients(e.modes, model, mode);
+  e.participation = counted(27, 0.5);
+  e.rotation_participation = counted(27, -0.25);
+  e.centre_of_mass = {1, 2, -3};
+  e.total_mass = 4.5;
+  e.total_inertia = {6, 7, 8};
   return e;
 }
 
