@@ -24,6 +24,10 @@ constexpr const char* points = "/static/points";
 constexpr const char* probes = "/static/probes";
 constexpr const char* supports = "/static/supports";
 constexpr const char* loads = "/static/loads";
+constexpr const char* cases = "/static/cases";
+constexpr const char* heat = "/heat";
+constexpr const char* heat_boundaries = "/heat/boundaries";
+constexpr const char* heat_probes = "/heat/probes";
 constexpr const char* time_series = "/time_series";
 constexpr const char* energy = "/time_series/energy";
 constexpr const char* surface = "/surface";
@@ -70,7 +74,7 @@ constexpr DatasetText support_moments{"/static/supports/moment", "force*length",
 
 constexpr DatasetText load_names{"/static/loads/name", "1", "(load)", "names of the loads"};
 constexpr DatasetText load_kinds{"/static/loads/kind", "1", "(load)",
-                                 "what each is: body force, traction, pressure or point"};
+                                 "what each is: body force, acceleration, centrifugal, traction, pressure, …"};
 constexpr DatasetText load_areas{"/static/loads/area", "length^2", "(load)",
                                  "area that it acts on; 0 for body forces and point loads"};
 constexpr DatasetText load_centroids{"/static/loads/centroid", "length", "(load; x y z)",
@@ -78,6 +82,39 @@ constexpr DatasetText load_centroids{"/static/loads/centroid", "length", "(load;
 constexpr DatasetText load_forces{"/static/loads/force", "force", "(load; x y z)", "resultant force on the part"};
 constexpr DatasetText load_moments{"/static/loads/moment", "force*length", "(load; x y z)",
                                    "its moment about that centroid"};
+
+constexpr DatasetText case_names{"/static/cases/name", "1", "(case)", "names of the load cases"};
+constexpr DatasetText case_factors{"/static/cases/factor", "1", "(case; load)", "how much of each load a case has"};
+constexpr DatasetText case_displacements{"/static/cases/displacement", "length", "(case; active function; x y z)",
+                                         "coefficients c_i of the displacement u(x) = sum N_i(x) c_i"};
+constexpr DatasetText case_forces{"/static/cases/support_force", "force", "(case; support; x y z)",
+                                  "reactions: forces of the supports on the part"};
+constexpr DatasetText case_energies{"/static/cases/strain_energy", "force*length", "(case)", "strain energies"};
+constexpr DatasetText case_largest_displacements{"/static/cases/largest_displacement", "length", "(case)",
+                                                 "largest displacement of each case"};
+constexpr DatasetText case_largest_stresses{"/static/cases/largest_von_mises", "force/length^2", "(case)",
+                                            "largest von Mises stress of each case"};
+
+constexpr DatasetText temperature{"/heat/temperature", "temperature", "(active function)",
+                                  "coefficients c_i of the temperature T(x) = sum N_i(x) c_i"};
+constexpr DatasetText heat_names{"/heat/boundaries/name", "1", "(boundary)", "names of what heat goes through"};
+constexpr DatasetText heat_kinds{"/heat/boundaries/kind", "1", "(boundary)",
+                                 "what each is: temperature, flux, convection or source"};
+constexpr DatasetText heat_areas{"/heat/boundaries/area", "length^2", "(boundary)",
+                                 "area of the region; of a source the volume, length^3"};
+constexpr DatasetText heat_centroids{"/heat/boundaries/centroid", "length", "(boundary; x y z)",
+                                     "centroid of the region"};
+constexpr DatasetText heat_temperatures{"/heat/boundaries/temperature", "temperature", "(boundary)",
+                                        "mean temperature of the body there"};
+constexpr DatasetText heat_powers{"/heat/boundaries/power", "power", "(boundary)", "heat into the body"};
+constexpr DatasetText heat_probe_names{"/heat/probes/name", "1", "(probe)", "names of the points that were asked for"};
+constexpr DatasetText heat_probe_positions{"/heat/probes/position", "length", "(probe; x y z)", "where the probes lie"};
+constexpr DatasetText heat_probe_temperatures{"/heat/probes/temperature", "temperature", "(probe)", "temperature"};
+constexpr DatasetText heat_probe_fluxes{"/heat/probes/heat_flux", "power/length^2", "(probe; x y z)",
+                                        "heat flux -k grad T"};
+constexpr DatasetText surface_temperature{"/surface/temperature", "temperature", "(step; vertex)", "temperature"};
+constexpr DatasetText surface_heat_flux{"/surface/heat_flux", "power/length^2", "(step; vertex; x y z)",
+                                        "heat flux -k grad T"};
 
 constexpr DatasetText time{"/time_series/time", "time", "ascending", "times of the series"};
 

@@ -198,13 +198,38 @@ std::vector<LoadResult> read_loads(const H5Reader& file) {
   return rows;
 }
 
+std::vector<CaseResult> read_cases(const H5Reader& file, std::int64_t num_functions, const StaticResult& s) {
+  std::vector<CaseResult> cases(file.strings(result::case_names.path).size());
+  const auto n = static_cast<std::int64_t>(cases.size()), loads = static_cast<std::int64_t>(s.loads.size()),
+             supports = static_cast<std::int64_t>(s.supports.size());
+  read_column(file, result::case_names, cases, &CaseResult::name);
+  read_column(file, result::case_energies, cases, &CaseResult::strain_energy);
+  read_column(file, result::case_largest_displacements, cases, &CaseResult::largest_displacement);
+  read_column(file, result::case_largest_stresses, cases, &CaseResult::largest_von_mises);
+  const auto factors = finite(file, result::case_factors, {n, loads}),
+             displacement = finite(file, result::case_displacements, {n, num_functions, 3});
+  const auto forces = in_rows<Point3>(finite(file, result::case_forces, {n, supports, 3}));
+  const auto part = [&](const auto& values, std::size_t c, std::int64_t width) {
+    const auto first = values.begin() + static_cast<std::ptrdiff_t>(c) * width;
+    return std::vector(first, first + width);
+  };
+  for (std::size_t c = 0; c < cases.size(); ++c) {
+    cases[c].factors = part(factors, c, loads);
+    cases[c].displacement = part(displacement, c, 3 * num_functions);
+    cases[c].support_force = part(forces, c, supports);
+  }
+  return cases;
+}
+
 StaticResult read_static(const H5Reader& file, std::int64_t num_functions) {
   StaticResult s;
   s.strain_energy = file.number<double>(result::statics, "strain_energy");
   s.external_work = file.number<double>(result::statics, "external_work");
-  for (const auto& [name, value] : {std::pair{"support_work", &s.support_work}, std::pair{"gap_work", &s.gap_work},
-                                    std::pair{"penalty_energy", &s.penalty_energy}})
-    if (file.has_attribute(result::statics, name)) *value = file.number<double>(result::statics, name); // since 1.2
+  for (const auto& [name, value] :
+       {std::pair{"support_work", &s.support_work}, std::pair{"gap_work", &s.gap_work},
+        std::pair{"penalty_energy", &s.penalty_energy}, std::pair{"initial_strain_work", &s.initial_strain_work}})
+    if (file.has_attribute(result::statics, name))
+      *value = file.number<double>(result::statics, name); // since 1.2, 1.5
   s.displacement = finite(file, result::displacement, {num_functions, 3});
   const std::int64_t num_points = rows_of(file, result::point_positions, 2);
   s.positions = finite(file, result::point_positions, {num_points, 3});
@@ -215,7 +240,26 @@ StaticResult read_static(const H5Reader& file, std::int64_t num_functions) {
   s.probes.fields = read_fields(file, result::probe_fields, num_probes);
   s.supports = read_supports(file);
   s.loads = read_loads(file);
+  if (file.has(result::cases)) s.cases = read_cases(file, num_functions, s); // since 1.5
   return s;
+}
+
+HeatResult read_heat(const H5Reader& file, std::int64_t num_functions) {
+  HeatResult h;
+  h.temperature = finite(file, result::temperature, {num_functions});
+  h.boundaries.resize(file.strings(result::heat_names.path).size());
+  read_column(file, result::heat_names, h.boundaries, &HeatBoundaryResult::name);
+  read_column(file, result::heat_kinds, h.boundaries, &HeatBoundaryResult::kind);
+  read_column(file, result::heat_areas, h.boundaries, &HeatBoundaryResult::area);
+  read_vectors(file, result::heat_centroids, h.boundaries, &HeatBoundaryResult::centroid);
+  read_column(file, result::heat_temperatures, h.boundaries, &HeatBoundaryResult::temperature);
+  read_column(file, result::heat_powers, h.boundaries, &HeatBoundaryResult::power);
+  h.probes.names = file.strings(result::heat_probe_names.path);
+  const auto probes = static_cast<std::int64_t>(h.probes.names.size());
+  h.probes.positions = finite(file, result::heat_probe_positions, {probes, 3});
+  h.probes.fields.temperature = finite(file, result::heat_probe_temperatures, {probes});
+  h.probes.fields.heat_flux = finite(file, result::heat_probe_fluxes, {probes, 3});
+  return h;
 }
 
 // Things by the list of their names; none where the group is absent.
@@ -298,6 +342,8 @@ SurfaceResult read_surface(const H5Reader& file) {
   s.steps = finite(file, result::steps, {rows_of(file, result::steps)});
   expect_ascending(file, result::steps, s.steps);
   s.fields = read_fields(file, result::surface_fields, num_vertices, s.num_steps());
+  s.fields.temperature = read_field(file, result::surface_temperature, num_vertices, 1, s.num_steps()); // since 1.5
+  s.fields.heat_flux = read_field(file, result::surface_heat_flux, num_vertices, 3, s.num_steps());
   return s;
 }
 
@@ -311,14 +357,17 @@ Results load(const H5Reader& file) {
   expect_none_negative(file, result::active_functions, r.active_functions);
   expect_ascending(file, result::active_functions, r.active_functions);
   const auto& analysis = r.header.analysis;
-  const std::array<std::pair<const char*, const char*>, 3> parts{
-      {{"eigen", result::eigen}, {"static", result::statics}, {"explicit", result::time_series}}};
+  const std::array<std::pair<const char*, const char*>, 4> parts{{{"eigen", result::eigen},
+                                                                  {"static", result::statics},
+                                                                  {"explicit", result::time_series},
+                                                                  {"heat", result::heat}}};
   const auto part = std::find_if(parts.begin(), parts.end(), [&](const auto& p) { return analysis == p.first; });
   if (part == parts.end())
-    file.refuse("/ attribute analysis", fmt::format("is '{}', expected eigen, static or explicit", analysis));
+    file.refuse("/ attribute analysis", fmt::format("is '{}', expected eigen, static, explicit or heat", analysis));
   if (!file.has(part->second)) file.refuse(part->second, "is missing; expected a group");
   if (file.has(result::eigen)) r.eigen = read_eigen(file, num_functions);
   if (file.has(result::statics)) r.statics = read_static(file, num_functions);
+  if (file.has(result::heat)) r.heat = read_heat(file, num_functions);
   if (file.has(result::time_series)) r.time_series = read_time_series(file);
   if (file.has(result::surface)) r.surface = read_surface(file);
   r.bodies = read_bodies(file);

@@ -106,6 +106,27 @@ void write_loads(H5Writer& file, const std::vector<LoadResult>& loads) {
   write_vectors(file, result::load_moments, loads, &LoadResult::moment);
 }
 
+void write_cases(H5Writer& file, const StaticResult& s) {
+  file.group(result::cases, "load cases; what else /static holds is that of the first one");
+  const auto n = static_cast<std::int64_t>(s.cases.size()), loads = static_cast<std::int64_t>(s.loads.size()),
+             supports = static_cast<std::int64_t>(s.supports.size());
+  file.strings(result::case_names, column(s.cases, [](const auto& c) { return c.name; }));
+  std::vector<double> factors, displacement, forces;
+  for (const CaseResult& c : s.cases) {
+    factors.insert(factors.end(), c.factors.begin(), c.factors.end());
+    displacement.insert(displacement.end(), c.displacement.begin(), c.displacement.end());
+    for (const Point3& f : c.support_force) forces.insert(forces.end(), f.begin(), f.end());
+  }
+  file.dataset(result::case_factors, {n, loads}, std::span<const double>(factors));
+  file.dataset(result::case_displacements, {n, static_cast<std::int64_t>(displacement.size()) / (3 * n), 3},
+               std::span<const double>(displacement));
+  file.dataset(result::case_forces, {n, supports, 3}, std::span<const double>(forces));
+  write(file, result::case_energies, column(s.cases, [](const auto& c) { return c.strain_energy; }));
+  write(file, result::case_largest_displacements,
+        column(s.cases, [](const auto& c) { return c.largest_displacement; }));
+  write(file, result::case_largest_stresses, column(s.cases, [](const auto& c) { return c.largest_von_mises; }));
+}
+
 void write_static(H5Writer& file, const StaticResult& s) {
   file.group(result::statics, "static equilibrium");
   file.attribute(result::statics, "strain_energy", s.strain_energy);
@@ -113,6 +134,8 @@ void write_static(H5Writer& file, const StaticResult& s) {
   file.attribute(result::statics, "support_work", s.support_work);
   file.attribute(result::statics, "gap_work", s.gap_work);
   file.attribute(result::statics, "penalty_energy", s.penalty_energy);
+  // It says, too, that there was such a strain: readers cannot make stresses from the displacement alone.
+  if (s.initial_strain_work != 0) file.attribute(result::statics, "initial_strain_work", s.initial_strain_work);
   write(file, result::displacement, s.displacement, 3);
   file.group(result::points, "fields at the model's quadrature points, in their order");
   write(file, result::point_positions, s.positions, 3);
@@ -123,6 +146,24 @@ void write_static(H5Writer& file, const StaticResult& s) {
   write_fields(file, result::probe_fields, s.probes.fields, static_cast<std::int64_t>(s.probes.names.size()));
   write_supports(file, s.supports);
   write_loads(file, s.loads);
+  if (!s.cases.empty()) write_cases(file, s);
+}
+
+void write_heat(H5Writer& file, const HeatResult& h) {
+  file.group(result::heat, "steady conduction of heat");
+  write(file, result::temperature, h.temperature);
+  file.group(result::heat_boundaries, "what heat goes through");
+  file.strings(result::heat_names, column(h.boundaries, [](const auto& b) { return b.name; }));
+  file.strings(result::heat_kinds, column(h.boundaries, [](const auto& b) { return b.kind; }));
+  write(file, result::heat_areas, column(h.boundaries, [](const auto& b) { return b.area; }));
+  write_vectors(file, result::heat_centroids, h.boundaries, &HeatBoundaryResult::centroid);
+  write(file, result::heat_temperatures, column(h.boundaries, [](const auto& b) { return b.temperature; }));
+  write(file, result::heat_powers, column(h.boundaries, [](const auto& b) { return b.power; }));
+  file.group(result::heat_probes, "points that were asked for");
+  file.strings(result::heat_probe_names, h.probes.names);
+  write(file, result::heat_probe_positions, h.probes.positions, 3);
+  write(file, result::heat_probe_temperatures, h.probes.fields.temperature);
+  write(file, result::heat_probe_fluxes, h.probes.fields.heat_flux, 3);
 }
 
 // A group of groups, one per named thing, and the list of their names.
@@ -182,6 +223,8 @@ void write_surface(H5Writer& file, const SurfaceResult& s) {
   file.strings(result::regions, o.mesh.region_names);
   write(file, result::steps, s.steps);
   write_fields(file, result::surface_fields, s.fields, num_vertices, s.num_steps());
+  write_field(file, result::surface_temperature, s.fields.temperature, num_vertices, 1, s.num_steps());
+  write_field(file, result::surface_heat_flux, s.fields.heat_flux, num_vertices, 3, s.num_steps());
 }
 
 } // namespace
@@ -200,6 +243,7 @@ void write_results(const std::filesystem::path& path, const Results& results, bo
   write_header(file, results);
   if (results.eigen) write_eigen(file, *results.eigen, static_cast<std::int64_t>(results.active_functions.size()));
   if (results.statics) write_static(file, *results.statics);
+  if (results.heat) write_heat(file, *results.heat);
   if (results.time_series) write_time_series(file, *results.time_series);
   if (results.surface) write_surface(file, *results.surface);
   if (!results.bodies.empty()) write_bodies(file, results.bodies);

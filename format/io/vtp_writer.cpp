@@ -138,7 +138,7 @@ void write_step(const std::filesystem::path& path, const SurfaceResult& s, std::
                 std::span<const VtpNumber> numbers, double scale) {
   std::vector<VtpArray> arrays;
   std::vector<std::vector<double>> scaled;
-  scaled.reserve(4);
+  scaled.reserve(6);
   const auto add = [&](const char* name, const std::vector<double>& field, int components) {
     if (field.empty()) return;
     const auto values = values_of(field, s, static_cast<std::size_t>(components), step);
@@ -150,6 +150,8 @@ void write_step(const std::filesystem::path& path, const SurfaceResult& s, std::
   add("von_mises", s.fields.von_mises, 1);
   add("stress", s.fields.stress, 6);
   add("strain", s.fields.strain, 6);
+  add("temperature", s.fields.temperature, 1);
+  add("heat_flux", s.fields.heat_flux, 3);
   write_vtp(path, s.output.mesh, arrays, numbers);
 }
 

@@ -14,7 +14,7 @@ namespace iga {
 
 /// What every results file says about its origin.
 struct ResultsHeader {
-  std::string analysis; ///< eigen | static | explicit
+  std::string analysis; ///< eigen | static | explicit | heat
   std::string title;    ///< the model's
   std::string length_unit = "unspecified";
   std::string model_file;              ///< base name of the interchange file
@@ -30,10 +30,12 @@ struct ResultsHeader {
 /// What fields are at given points, for one or more steps (modes, load cases, times). Each array is
 /// (num_steps × num_points × components), row-major; an array that was not asked for is empty.
 struct FieldSamples {
-  std::vector<double> displacement; ///< 3: x y z; length
-  std::vector<double> strain;       ///< 6: xx yy zz xy yz zx, shear strains are engineering strains
-  std::vector<double> stress;       ///< 6: xx yy zz xy yz zx; force/length²
-  std::vector<double> von_mises;    ///< 1; force/length²
+  std::vector<double> displacement;     ///< 3: x y z; length
+  std::vector<double> strain;           ///< 6: xx yy zz xy yz zx, shear strains are engineering strains
+  std::vector<double> stress;           ///< 6: xx yy zz xy yz zx; force/length²
+  std::vector<double> von_mises;        ///< 1; force/length²
+  std::vector<double> temperature = {}; ///< 1
+  std::vector<double> heat_flux = {};   ///< 3: x y z; power/length²
 };
 
 /// The embedded surface, made fine enough to show the fields.
@@ -101,19 +103,50 @@ struct ProbeResult {
   FieldSamples fields;           ///< one step
 };
 
+/// One of several load cases of a static analysis.
+struct CaseResult {
+  std::string name;
+  std::vector<double> factors;       ///< (n_loads): how much of each load
+  std::vector<double> displacement;  ///< (n_f × 3): coefficients of all active functions, length
+  std::vector<Point3> support_force; ///< (n_supports), force
+  double strain_energy = 0;          ///< force · length
+  double largest_displacement = 0;   ///< length
+  double largest_von_mises = 0;      ///< force/length²
+};
+
 struct StaticResult {
   double strain_energy = 0; ///< ½ uᵀ K u, without the supports' terms; force · length
   double external_work = 0; ///< ½ fᵀ u of the loads; force · length
-  /// The rest of the energy balance: strain_energy + penalty_energy = external_work + support_work + gap_work.
+  /// The rest of the energy balance: strain_energy + penalty_energy = external_work + support_work + gap_work +
+  /// initial_strain_work.
   double support_work = 0;   ///< ½ ∫ t · u_D dA: of the reactions on prescribed displacements; force · length
   double gap_work = 0;       ///< Nitsche: ∫ (σ n) · (u - u_D) dA over the supports; force · length
   double penalty_energy = 0; ///< Nitsche and penalty: ½ ∫ β |u - u_D|² dA, and of rigid regions; force · length
+  double initial_strain_work = 0; ///< -½ ∫ σ : ε₀ dV of strains without stress (heat, bolts); on the side of the works
   std::vector<double> displacement; ///< (n_f × 3): coefficients of all active functions, length
   std::vector<double> positions;    ///< (num_points × 3) of the model's quadrature points, length
   FieldSamples points;              ///< one step, at the model's quadrature points in their order
   ProbeResult probes;
   std::vector<SupportResult> supports;
   std::vector<LoadResult> loads;
+  std::vector<CaseResult> cases = {}; ///< empty where there is one; the rest of the struct is then that of the first
+};
+
+/// Where heat enters or leaves a body.
+struct HeatBoundaryResult {
+  std::string name;
+  std::string kind;       ///< "temperature", "flux", "convection", "source"
+  double area = 0;        ///< length²; of sources the volume, length³
+  Point3 centroid{};      ///< length
+  double temperature = 0; ///< mean over it
+  double power = 0;       ///< into the body
+};
+
+/// Steady conduction of heat.
+struct HeatResult {
+  std::vector<double> temperature; ///< (n_f): coefficients of all active functions
+  std::vector<HeatBoundaryResult> boundaries;
+  ProbeResult probes; ///< with temperature and heat flux
 };
 
 /// What changes with time in an explicit analysis: one row per output. Every series has num_times · components entries,
@@ -213,6 +246,7 @@ struct Results {
   std::vector<std::int64_t> active_functions; ///< (n_f), the model's: coefficients are in their order
   std::optional<EigenResult> eigen;
   std::optional<StaticResult> statics;
+  std::optional<HeatResult> heat = {};
   std::optional<TimeSeries> time_series;
   std::optional<SurfaceResult> surface;
   std::vector<BodyResult> bodies = {};   ///< explicit, and where there are several

@@ -21,7 +21,7 @@ from igatools.iga_schema import FormatError, text_of  # noqa: E402
 SCHEMA = iga_schema.load("results")
 FIELDS = iga_schema.load("fields")
 KINDS = {number: name for name, number in SCHEMA["enum"]["kind"].items()}
-PARTS = {"eigen": "/eigen", "static": "/static", "explicit": "/time_series"}
+PARTS = {"eigen": "/eigen", "static": "/static", "explicit": "/time_series", "heat": "/heat"}
 
 
 class Fields:
@@ -117,7 +117,7 @@ class Results:
         """Fields on the surface as one mesh, whether the file has one body or several: vertices (n, 3), triangles (m, 3), steps,
         displacement (steps, n, 3) and von_mises (steps, n), each where it was asked for. None where there are no fields."""
         if "/surface" in self:
-            names = ("vertices", "triangles", "steps", "displacement", "von_mises")
+            names = ("vertices", "triangles", "steps", "displacement", "von_mises", "temperature")
             return {name: self[f"/surface/{name}"] for name in names if f"/surface/{name}" in self}
         if not self.num_fields():
             return None
@@ -170,6 +170,10 @@ def summary(results):
         report["reactions"] = dict(zip(results.texts("/static/supports/name"),
                                        results["/static/supports/force"].tolist()))
         report["loads"] = dict(zip(results.texts("/static/loads/name"), results["/static/loads/force"].tolist()))
+    if "/static/cases" in results:
+        report["cases"] = results.texts("/static/cases/name")
+    if "/heat" in results:
+        report["powers"] = dict(zip(results.texts("/heat/boundaries/name"), results["/heat/boundaries/power"].tolist()))
     if "/time_series" in results:
         report["times"] = results["/time_series/time"].tolist()
         for name in results.texts("/time_series/contact_names"):

@@ -20,7 +20,7 @@ MODE_SHARE = 0.08  # largest displacement of a mode over the diagonal of the par
 STATIC_SHARE = 0.05
 SPIKES = 99.8  # percentile that ends the scale of stresses: a few points of a sharp corner would make all else dark blue
 REST_COLOUR = (0.55, 0.57, 0.60)
-LABELS = {"displacement": "|u|", "von_mises": "von Mises stress"}
+LABELS = {"displacement": "|u|", "von_mises": "von Mises stress", "temperature": "temperature"}
 
 
 class Shapes:
@@ -29,6 +29,8 @@ class Shapes:
     def __init__(self, path):
         self.results = iga_results.read(path)
         self.surface = self.results.joined_surface()
+        if self.surface is not None and self.results.analysis == "heat":
+            self.surface["displacement"] = np.zeros((len(self.surface["steps"]), *self.surface["vertices"].shape))
         if self.surface is None or "displacement" not in self.surface:
             sys.exit(f"render.py: {path}: holds no displacements of the surface to draw")
         self.stem = path.stem
@@ -48,9 +50,10 @@ class Shapes:
             sys.exit("render.py: only explicit runs have a plastic strain; use --colour displacement or von_mises")
         if colour == "displacement":
             return np.linalg.norm(self.displacement(step), axis=1)
-        if "von_mises" not in self.surface:
-            sys.exit("render.py: the file holds no von Mises stress on the surface; use --colour displacement")
-        return self.surface["von_mises"][step]
+        if colour not in self.surface:
+            sys.exit(f"render.py: the file holds no {LABELS[colour]} on the surface; use --colour "
+                     + ("temperature" if self.results.analysis == "heat" else "displacement"))
+        return self.surface[colour][step]
 
     def factor(self, step, share):
         """Exaggeration that makes the largest displacement this share of the part's diagonal."""
@@ -167,8 +170,15 @@ def draw_mode(shapes, step, colour, scale, sight, file):
          extend="neither" if colour == "displacement" else "max")
 
 
-def draw_static(shapes, colour, scale, sight, file):
-    step = len(shapes.surface["steps"]) - 1
+def draw_heat(shapes, sight, file):
+    values = shapes.values(0, "temperature")
+    norm = Normalize(values.min(initial=np.inf), values.max(initial=-np.inf))
+    pixels = draw_shape(shapes, 0, 0.0, values, norm, sight, shapes.vertices)
+    page(pixels, shapes.title, f"temperature {norm.vmin:.4g} … {norm.vmax:.4g} on the surface", file,
+         colour_bar=(plt.cm.ScalarMappable(norm, COLOURS), LABELS["temperature"]), extend="neither")
+
+
+def draw_static(shapes, step, colour, scale, sight, file, case=""):
     factor = scale or shapes.factor(step, STATIC_SHARE)
     values = shapes.values(step, colour)
     top = float(np.percentile(values, SPIKES) if colour == "von_mises" else values.max(initial=0))
@@ -176,7 +186,7 @@ def draw_static(shapes, colour, scale, sight, file):
     pixels = draw_shape(shapes, step, factor, values, norm, sight, extent(shapes, [step], [factor]))
     largest = np.linalg.norm(shapes.displacement(step), axis=1).max(initial=0)
     label = f"|u|{' in' + shapes.unit if shapes.unit else ''}" if colour == "displacement" else LABELS[colour]
-    page(pixels, shapes.title, f"largest displacement {largest:.4g}{shapes.unit}, drawn {factor:.3g} times as large; "
+    page(pixels, f"{shapes.title}: {case}" if case else shapes.title, f"largest displacement {largest:.4g}{shapes.unit}, drawn {factor:.3g} times as large; "
          f"largest von Mises stress {shapes.values(step, 'von_mises').max(initial=0):.4g}",
          file, colour_bar=(plt.cm.ScalarMappable(norm, COLOURS), label), extend="max" if values.max(initial=0) > top else "neither")
 
@@ -190,8 +200,14 @@ def draw(arguments, folder):
     if shapes.results.analysis != "eigen":
         if arguments.mode:
             sys.exit(f"render.py: {arguments.file}: holds no modes; leave out --mode")
+        if shapes.results.analysis == "heat":
+            draw_heat(shapes, arguments.sight, folder / f"{shapes.stem}_heat.png")
+            return
         colour = arguments.colour or "von_mises"
-        draw_static(shapes, colour, arguments.scale, arguments.sight, folder / f"{shapes.stem}_static.png")
+        cases = shapes.results.texts("/static/cases/name") if "/static/cases/name" in shapes.results else [""]
+        for step, case in enumerate(cases):
+            file = folder / (f"{shapes.stem}_case_{step + 1}.png" if case else f"{shapes.stem}_static.png")
+            draw_static(shapes, step, colour, arguments.scale, arguments.sight, file, f"case {case}" if case else "")
         return
     colour, count = arguments.colour or "displacement", len(shapes.surface["steps"])
     for number in arguments.mode:

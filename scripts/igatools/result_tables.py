@@ -31,8 +31,13 @@ def result_tables(results):
     elif results.analysis == "static":
         yield added(of("reactions"), "/static/supports", ("name", "method", *FORCES))
         yield added(of("loads"), "/static/loads", ("name", "kind", *FORCES))
+        if "/static/cases/name" in results.data:
+            yield added(of("cases"), "/static/cases", ("name", "strain_energy", "largest_displacement", "largest_von_mises"))
         yield added(of("probes"), "/static/probes", ("name", "position", *FIELD_NAMES))
         yield added(of("points"), "/static/points", ("position", *FIELD_NAMES))
+    elif results.analysis == "heat":
+        yield added(of("heat"), "/heat/boundaries", ("name", "kind", "area", "centroid", "temperature", "power"))
+        yield added(of("probes"), "/heat/probes", ("name", "position", "temperature", "heat_flux"))
     else:
         yield from series_tables(results, of)
     if "/surface" in results:

@@ -90,7 +90,7 @@ class Results(Labels, iga_results.Results):
     def _number(self, mode, step):
         """Number of the field that mode or step ask for; the one that belongs to another analysis must be left out."""
         asked = {"mode": mode, "step": step}
-        wanted = {"eigen": "mode", "explicit": "step", "static": None}[self.analysis]
+        wanted = {"eigen": "mode", "explicit": "step"}.get(self.analysis)
         if {name for name, number in asked.items() if number is not None} != ({wanted} if wanted else set()):
             raise ValueError(f"{self.path}: results of an analysis '{self.analysis}', expected "
                              + (f"{wanted}=<number> and nothing else" if wanted else "neither mode nor step"))
@@ -108,6 +108,8 @@ class Results(Labels, iga_results.Results):
         if self.num_fields():
             fields = self.fields(number)
             return fields.mesh[f"{body}/active_functions"], fields[f"{body}/coefficients"]
+        if self.analysis == "heat":
+            raise ValueError(f"{self.path}: results of an analysis 'heat' hold temperatures, no displacements")
         return self["/functions/active"], self["/modes"][number] if self.analysis == "eigen" else self["/static/displacement"]
 
     def displacement(self, points, mode=None, step=None, body=None):
@@ -145,6 +147,9 @@ class Results(Labels, iga_results.Results):
         """Stresses at points, (n, 6): xx yy zz xy yz zx, force/length^2; nan outside. Of statics and modes with one body."""
         if len(self.bodies) > 1:
             raise ValueError(f"{self.path}: the file holds the material of one body only; stresses of several are not evaluated")
+        if self.analysis == "static" and "initial_strain_work" in self.attributes["/static"]:
+            raise ValueError(f"{self.path}: the file does not hold the thermal strain at any point; stresses at probes, quadrature points "
+                             "and on the surface have it: results[\"/static/points/stress\"], results.surface()")
         return self.strain(points, mode, body) @ self.attribute("/material", "C").T
 
     def von_mises(self, points, mode=None, body=None):
@@ -162,7 +167,7 @@ class Results(Labels, iga_results.Results):
             return fields.mesh[f"{body}/vertices"], fields.mesh[f"{body}/triangles"], found
         if "/surface" not in self:
             raise ValueError(f"{self.path}: the analysis wrote no surface")
-        found = {name: self[f"/surface/{name}"][number] for name in ("displacement", "von_mises", "strain", "stress")
+        found = {name: self[f"/surface/{name}"][number] for name in ("displacement", "von_mises", "strain", "stress", "temperature", "heat_flux")
                  if f"/surface/{name}" in self.data}
         return self["/surface/vertices"], self["/surface/triangles"], found
 

@@ -9,9 +9,9 @@ namespace iga::solve {
 
 /// What loads do to one body.
 struct BodyLoads {
-  Eigen::Vector3d body_force = Eigen::Vector3d::Zero(); ///< force/length³
-  std::vector<SurfaceLoad> surfaces;                    ///< of known traction
-  std::vector<SurfaceLoad> rigid;                       ///< of a rigid motion; their traction is the field's own
+  BodyForce body_force;              ///< force/length³, a polynomial of the splines' degree at most; empty: none
+  std::vector<SurfaceLoad> surfaces; ///< of known traction
+  std::vector<SurfaceLoad> rigid;    ///< of a rigid motion; their traction is the field's own
 };
 
 /// Estimated a(e, e) of fields on a system, by body: (num_cells × k); see residual_energy. On supports and ties the

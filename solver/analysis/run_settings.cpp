@@ -9,6 +9,7 @@
 #include <array>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <numbers>
 
 namespace iga::solve {
 
@@ -53,20 +54,26 @@ MaterialPlace place_of_material(const TypedBody& body) {
 }
 
 void need_density(const TypedRun& typed, Analysis analysis, const std::string& body, const MaterialPlace& place) {
+  if (analysis == Analysis::Heat) return;
   if (analysis != Analysis::Static)
     throw InputError(fmt::format("{}: the density is missing; give {}", place.subject, place.rho));
+  if (typed.statics.inertia_relief)
+    throw InputError(
+        fmt::format("{}: the density is missing, which inertia_relief needs; give {}", place.subject, place.rho));
   for (const Load& load : typed.statics.loads)
-    if (load.kind == LoadKind::Acceleration && (load.body.empty() || load.body == body))
-      throw InputError(fmt::format("{}: the density is missing, but load '{}' is an acceleration; give {}",
-                                   place.subject, load.name, place.rho));
+    if ((load.kind == LoadKind::Acceleration || load.kind == LoadKind::Centrifugal) &&
+        (load.body.empty() || load.body == body))
+      throw InputError(fmt::format("{}: the density is missing, but load '{}' ({}) acts on it; give {}", place.subject,
+                                   load.name, name_of(load.kind), place.rho));
 }
 
-ElasticMaterial material_of(const TypedMaterial& typed, const MaterialPlace& place) {
+ElasticMaterial elastic_material(const TypedMaterial& typed, const MaterialPlace& place, Analysis analysis) {
   const double rho = typed.rho.value_or(1); // statics do not use it
   if (typed.C) {
     if (typed.E || typed.nu) throw InputError(fmt::format("{}: give either C or E and nu, not both", place.subject));
     return anisotropic(voigt_matrix(*typed.C), rho);
   }
+  if (analysis == Analysis::Heat && !typed.E && !typed.nu) return isotropic(1, 0, rho); // heat does not use them
   if (!typed.E || !typed.nu)
     throw InputError(fmt::format("{}: {} missing; give {}", place.subject,
                                  !typed.E && !typed.nu ? "E and nu are"
@@ -76,8 +83,16 @@ ElasticMaterial material_of(const TypedMaterial& typed, const MaterialPlace& pla
   return isotropic(*typed.E, *typed.nu, rho);
 }
 
+ElasticMaterial material_of(const TypedMaterial& typed, const MaterialPlace& place, Analysis analysis) {
+  ElasticMaterial material = elastic_material(typed, place, analysis);
+  material.expansion = typed.expansion;
+  material.conductivity = typed.conductivity;
+  return material;
+}
+
 MaterialWords words_of(const TypedMaterial& material, const UnitSystem* units) {
-  return {material.found.name, material.found.source, material.E, material.nu, material.rho, units};
+  return {material.found.name, material.found.source, material.E, material.nu, material.rho, units,
+          material.expansion,  material.conductivity};
 }
 
 void complete(TypedMaterial& material, const TypedRun& typed) {
@@ -88,6 +103,23 @@ void complete(TypedMaterial& material, const TypedRun& typed) {
   if (!material.E) material.E = material.found.E / typed.unit->pascal();
   if (!material.nu) material.nu = material.found.nu;
   if (!material.rho) material.rho = material.found.rho / typed.unit->kg_per_m3();
+  if (!material.expansion) material.expansion = material.found.expansion;
+  if (!material.conductivity && material.found.conductivity)
+    material.conductivity = *material.found.conductivity / typed.unit->watt_per_m_k();
+}
+
+// Turns per minute become radians per unit of time.
+void resolve_speeds(const TypedRun& typed, std::vector<Load>& loads) {
+  constexpr double seconds_per_minute = 60;
+  for (Load& load : loads) {
+    if (!load.spin.rpm) continue;
+    if (!typed.unit)
+      throw InputError(fmt::format("load '{}': rpm needs a unit of time; add unit_system = \"t-mm-s\", \"kg-mm-ms\" or "
+                                   "\"SI\" to the run file, or give speed in radians per time",
+                                   load.name));
+    load.spin.speed = 2 * std::numbers::pi * *load.spin.rpm / seconds_per_minute * typed.unit->s;
+    load.spin.rpm.reset();
+  }
 }
 
 LightTreatment light_treatment(MassType mass, const std::optional<std::string>& functions,
@@ -111,9 +143,11 @@ RunBody run_body(const TypedRun& typed, const TypedBody& body, Analysis analysis
   const MaterialPlace place = place_of_material(body);
   const TypedMaterial material = body.material.value_or(typed.material);
   if (!material.rho) need_density(typed, analysis, body.file.name, place);
-  RunBody of_run{body.file, {}, {}, material.rho.has_value(), words_of(material, typed.unit)};
+  // Units are told from modulus and density together.
+  const bool has_density = material.rho.has_value() && (material.E.has_value() || material.C.has_value());
+  RunBody of_run{body.file, {}, {}, has_density, words_of(material, typed.unit)};
   try {
-    of_run.material = turned(material_of(material, place), body.file.place.R);
+    of_run.material = turned(material_of(material, place, analysis), body.file.place.R);
     of_run.light = light_treatment(mass, body.light_functions ? body.light_functions : typed.light_functions,
                                    body.light_threshold ? body.light_threshold : typed.light_threshold);
   } catch (const InputError& error) { // values that make no sense do not know whose they are
@@ -147,10 +181,10 @@ std::vector<io::TableKeys> run_keys() {
   std::vector<io::TableKeys> keys{
       {"",
        {"model", "output", "units", "unit_system", "material", "materials", "mass", "light_functions",
-        "light_threshold"}},
-      {"material", {"name", "E", "nu", "rho", "C"}},
+        "light_threshold", "inertia_relief"}},
+      {"material", {"name", "E", "nu", "rho", "C", "expansion", "conductivity"}},
       {"bodies", {"light_functions", "light_threshold"}},
-      {"bodies.material", {"law", "name", "E", "nu", "rho", "C"}},
+      {"bodies.material", {"law", "name", "E", "nu", "rho", "C", "expansion", "conductivity"}},
       {"eigen", {"modes", "modes_below", "largest", "sturm", "errors"}},
       {"results", {"subdivide", "viewer"}},
       {"load", {"body"}},
@@ -170,6 +204,10 @@ TypedMaterial read_material(io::SettingsTable& table) {
   material.nu = table.number("nu");
   material.rho = table.number("rho");
   material.C = table.numbers("C", {21, 36});
+  material.expansion = table.number("expansion");
+  material.conductivity = table.number("conductivity");
+  if (material.conductivity && !(*material.conductivity > 0))
+    refuse(table, "conductivity", fmt::format("found {}, expected a number above 0", *material.conductivity));
   return material;
 }
 
@@ -185,7 +223,8 @@ void read_bodies(io::SettingsTable& root, TypedRun& run) {
       refuse(material, "law",
              fmt::format("found \"{}\", expected \"linear-elastic\" or none: this analysis is linear", *law));
     const TypedMaterial typed = read_material(material);
-    if (typed.name || typed.E || typed.nu || typed.rho || typed.C) body.material = typed;
+    if (typed.name || typed.E || typed.nu || typed.rho || typed.C || typed.expansion || typed.conductivity)
+      body.material = typed;
     body.light_functions = table.text("light_functions");
     body.light_threshold = table.number("light_threshold");
     run.bodies.push_back(std::move(body));
@@ -210,7 +249,10 @@ LightTreatment default_light_treatment(MassType mass) {
 
 TypedRun read_run_file(const std::filesystem::path& file) {
   io::SettingsTable root = io::SettingsTable::read(file);
-  root.expect_only(run_keys());
+  std::vector<io::TableKeys> keys = run_keys();
+  for (const auto& more : {case_keys(root), temperature_keys(), bolt_keys(), heat_keys()})
+    keys.insert(keys.end(), more.begin(), more.end());
+  root.expect_only(keys);
   TypedRun t;
   t.model = root.path("model");
   t.output = root.path("output");
@@ -240,6 +282,7 @@ TypedRun read_run_file(const std::filesystem::path& file) {
   t.viewer = results.boolean("viewer");
   t.supports = read_supports(root);
   t.statics = read_static_settings(root);
+  t.heat = read_heat(root);
   root.refuse_unknown_keys();
   return t;
 }
@@ -313,14 +356,16 @@ RunSettings validate_run(const TypedRun& typed, Analysis analysis) {
   if (run.bodies.empty()) {
     run.model = *typed.model;
     if (!typed.material.rho) need_density(typed, analysis, "", {});
-    run.material = material_of(typed.material, {});
+    run.material = material_of(typed.material, {}, analysis);
     run.words = words_of(typed.material, typed.unit);
-    run.has_density = typed.material.rho.has_value();
+    run.has_density = typed.material.rho.has_value() && (typed.material.E.has_value() || typed.material.C.has_value());
     run.light = light_treatment(run.mass, typed.light_functions, typed.light_threshold);
   }
   run.ties = typed.ties;
   run.supports = typed.supports;
   run.statics = typed.statics;
+  run.heat = typed.heat;
+  resolve_speeds(typed, run.statics.loads);
   if (typed.modes) run.eigen.modes = whole("modes", *typed.modes, 1, 1'000'000);
   if (typed.modes_below && !(*typed.modes_below > 0))
     throw InputError(fmt::format("modes_below: found {:g}, expected a frequency above 0", *typed.modes_below));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "solver/analysis/eigen_settings.hpp"
+#include "solver/analysis/heat_settings.hpp"
 #include "solver/mechanics/mass_type.hpp"
 #include "solver/mechanics/material.hpp"
 #include "solver/mechanics/material_table.hpp"
@@ -20,14 +21,15 @@ class Progress;
 
 namespace iga::solve {
 
-enum class Analysis { Eigen, Timestep, Static };
+enum class Analysis { Eigen, Timestep, Static, Heat };
 
 /// [material], or the material of one of [[bodies]], as typed.
 struct TypedMaterial {
   std::optional<std::string> name; ///< numbers beside it stand in place of its own
   std::optional<double> E, nu, rho;
   std::optional<std::vector<double>> C; ///< 36 numbers row by row, or the 21 of the upper triangle
-  NamedMaterial found = {};             ///< by complete_materials: the material of that name
+  std::optional<double> expansion = {}, conductivity = {};
+  NamedMaterial found = {}; ///< by complete_materials: the material of that name
 };
 
 /// One of [[bodies]], as typed.
@@ -50,10 +52,11 @@ struct TypedRun {
   std::optional<std::int64_t> modes, subdivide;
   std::optional<double> modes_below; ///< cycles per time
   std::optional<bool> largest, sturm, errors, viewer;
-  std::vector<TypedBody> bodies; ///< run files only
-  std::vector<Tie> ties;         ///< run files only
-  std::vector<Support> supports; ///< run files only
-  StaticSettings statics;        ///< run files only
+  std::vector<TypedBody> bodies;       ///< run files only
+  std::vector<Tie> ties;               ///< run files only
+  std::vector<Support> supports;       ///< run files only
+  StaticSettings statics;              ///< run files only
+  std::vector<HeatBoundary> heat = {}; ///< run files only
 };
 
 /// One body of a run.
@@ -81,6 +84,7 @@ struct RunSettings {
   std::vector<Support> supports;
   EigenSettings eigen;
   StaticSettings statics;
+  std::vector<HeatBoundary> heat = {};
   int subdivide = 2;                ///< surface output: longest edge at most span / subdivide
   bool viewer = true;               ///< files for ParaView beside the results file
   io::Progress* progress = nullptr; ///< where stages show themselves; null: nowhere

@@ -10,6 +10,35 @@
 
 namespace iga::solve {
 
+/// How a free mechanical body answers to the loads: it accelerates as a rigid one.
+struct RigidAcceleration {
+  std::vector<std::string> bodies; ///< of the run that it consists of; none where there is one
+  double mass = 0;
+  Point3 centre{};                          ///< of mass, length
+  Point3 acceleration{};                    ///< of the centre, length/time²
+  Point3 angular{};                         ///< radians/time²
+  Point3 inertia_force{}, inertia_moment{}; ///< that balance the loads; the moment about the origin
+};
+
+/// The temperature of one body.
+struct TemperatureReport {
+  std::string body;   ///< empty where there is one
+  std::string source; ///< "uniform", "formula 20 + 3*x", …
+  double least = 0, most = 0, reference = 0;
+  double factor = 1; ///< of the thermal strain in this case
+};
+
+/// What became of a bolt.
+struct BoltReport {
+  std::string name;
+  std::string body;      ///< empty where there is one
+  double preload = 0;    ///< that was asked for
+  double factor = 1;     ///< of the shortening in this case
+  double section = 0;    ///< of the shank, length²
+  double shortening = 0; ///< that brings the preload, length
+  double force = 0;      ///< tension of the shank under all that acts in this case
+};
+
 /// Fields of one of several bodies.
 struct StaticBody {
   std::vector<double> displacement; ///< (n_f × 3): coefficients of all active functions, length
@@ -27,6 +56,11 @@ struct LargestValue {
 
 /// The solution and what a user checks first.
 struct StaticSolution {
+  /// The bodies with the initial strains of this solution: stresses of `unknowns` are those of *its* materials, not of
+  /// the materials that the analysis was called with.
+  BodySystem system;
+  std::string case_name;                 ///< empty where the run has no [[case]]
+  std::vector<double> factors;           ///< by load
   Eigen::VectorXd unknowns;              ///< (num_unknowns) of the system
   Eigen::VectorXd multipliers;           ///< (constraints)
   StaticResult result;                   ///< as the results file holds it; of several bodies without their fields
@@ -36,6 +70,9 @@ struct StaticSolution {
   std::vector<Reaction> reactions;       ///< about the origin
   std::vector<std::string> probe_bodies; ///< by probe; empty names where there is one body
   std::vector<std::pair<std::size_t, RigidMotion>> motions; ///< of rigid regions, with the numbers of their loads
+  std::vector<RigidAcceleration> relief;                    ///< by mechanical body, under inertia relief
+  std::vector<TemperatureReport> temperatures;
+  std::vector<BoltReport> bolts;
   std::vector<TieReport> ties;
   std::vector<TieForce> tie_forces;  ///< about the origin
   FieldSamples surface;              ///< one step, at model.surface.quadrature; of one body
@@ -69,6 +106,12 @@ std::optional<StaticErrors> relative_errors(const StaticSolution& solution);
 /// What is missing between the two sides of the energy balance (StaticResult), relative to the larger one.
 double energy_defect(const StaticResult& result);
 
+/// One solution for each [[case]], with one factorisation; one in all where the run has none. Stages that cases share
+/// are timed in the first one.
+std::vector<StaticSolution> run_static_cases(const RunSettings& run, const StaticSettings& settings,
+                                             const BodySystem& system);
+
+/// The only one. @pre the settings have at most one case
 /// @throws InputError for regions without area, points outside the part, and rigid motions that no support resists
 /// @throws NumericalError where the system is singular all the same
 StaticSolution run_static(const RunSettings& run, const StaticSettings& settings, const BodySystem& system);

@@ -39,15 +39,19 @@ CellMonomials::CellMonomials(const SplineGrid& grid) : grid_(grid) {
   inverse_ = table(nodes_, value_parts).inverse();
 }
 
-CellFields CellMonomials::fields(const SolutionSpace& space, std::int64_t a, const Eigen::Ref<const MatrixXd>& unknowns,
-                                 SpanShapes& shapes) const {
-  const Index3 span = grid_.span_index(space.model().cells.span[static_cast<std::size_t>(a)]);
+std::vector<double> CellMonomials::node_parameters(const Index3& span) const {
   const Box3 box = grid_.span_box(span);
   std::vector<double> parameters;
   for (Index q = 0; q < nodes_.rows(); ++q)
     for (std::size_t d = 0; d < 3; ++d)
       parameters.push_back(box.lower[d] + nodes_(q, static_cast<Index>(d)) * (box.upper[d] - box.lower[d]));
-  evaluate(space, a, parameters, Shapes::Values, shapes);
+  return parameters;
+}
+
+CellFields CellMonomials::fields(const SolutionSpace& space, std::int64_t a, const Eigen::Ref<const MatrixXd>& unknowns,
+                                 SpanShapes& shapes) const {
+  const Index3 span = grid_.span_index(space.model().cells.span[static_cast<std::size_t>(a)]);
+  evaluate(space, a, node_parameters(span), Shapes::Values, shapes);
   const auto nodes = space.nodes(a);
   const Rotation& R = grid_.rotation();
   MatrixXd coefficients(static_cast<Index>(nodes.size()), 3 * unknowns.cols());

@@ -23,6 +23,12 @@ class CellMonomials {
   CellFields fields(const SolutionSpace& space, std::int64_t a, const Eigen::Ref<const Eigen::MatrixXd>& unknowns,
                     SpanShapes& shapes) const;
 
+  /// Points of a span, as many as monomials, where values determine a polynomial: units of the span, 0 … 1.
+  const Eigen::MatrixX3d& nodes() const { return nodes_; }
+  std::vector<double> node_parameters(const Index3& span) const;
+  /// The polynomials with given values at the nodes: (monomials × columns).
+  Eigen::MatrixXd through(const Eigen::Ref<const Eigen::MatrixXd>& nodal) const { return inverse_ * nodal; }
+
   /// What of each monomial at points: values, gradients (3) or second derivatives (6, order xx yy zz xy yz zx), with
   /// respect to lengths along the grid's axes; column monomials() * c + n holds part c of monomial n.
   Eigen::MatrixXd values(const Eigen::MatrixX3d& xi) const { return table(xi, value_parts); }

@@ -64,7 +64,6 @@ class Residuals {
             traction_(k, 3 * i + m + 9 * l) = c;
           }
     whole_ = whole_span();
-    body_force_ = as_vector(grid_.along_axes({problem.body_force[0], problem.body_force[1], problem.body_force[2]}));
   }
 
   MatrixXd energies() {
@@ -75,8 +74,11 @@ class Residuals {
     tbb::enumerable_thread_specific<SpanShapes> shapes;
     tbb::parallel_for(Index{0}, cells, [&](Index a) {
       const CellFields fields = monomials_.fields(space_, a, problem_.unknowns, shapes.local());
-      MatrixXd r = inside(model_.is_interior(static_cast<std::size_t>(a)) ? whole_ : of_points(a), fields);
-      if (!surface_parameters(model_, a).empty()) r -= on_surface(surface_moments(a), fields);
+      MatrixXd r = inside(model_.is_interior(static_cast<std::size_t>(a)) ? whole_ : of_points(a), fields, a);
+      if (!surface_parameters(model_, a).empty()) {
+        r -= on_surface(surface_moments(a), fields);
+        if (problem_.material->initial_strain) r.colwise() += initial_on_surface(a);
+      }
       if (loaded[static_cast<std::size_t>(a)].size() > 0) r += loaded[static_cast<std::size_t>(a)];
       energy.row(a) = energy_of(a, r);
     });
@@ -154,17 +156,74 @@ class Residuals {
   }
 
   // ∫ (div σ + λ ρ u + b) · w_j e_k dV in row 3 j + k; (3 tests × fields)
-  MatrixXd inside(const Moments& moments, const CellFields& fields) const {
+  MatrixXd inside(const Moments& moments, const CellFields& fields, Index a) const {
     const MatrixXd value = moments.value * fields, second = moments.second * fields;
-    const Eigen::VectorXd volume = moments.value.col(0); // the monomial of degree 0 comes first
+    const MatrixXd forces = given_forces(a), given = forces.size() > 0 ? MatrixXd(moments.value * forces) : MatrixXd();
     MatrixXd r(3 * tests, fields_);
     for (Index f = 0; f < fields_; ++f) {
       const double inertia = problem_.lambda[f] * problem_.material->density;
       for (Index j = 0; j < tests; ++j)
         r.block<3, 1>(3 * j, f) = divergence_ * second.block<6, 3>(6 * j, 3 * f).reshaped() +
-                                  inertia * value.block<1, 3>(j, 3 * f).transpose() + volume[j] * body_force_;
+                                  inertia * value.block<1, 3>(j, 3 * f).transpose();
+      if (given.size() > 0) r.col(f) += given.transpose().reshaped();
     }
     return r;
+  }
+
+  // b - div (C ε₀) of a cell as polynomials, in the grid's axes: (monomials × 3); empty where nothing is given.
+  MatrixXd given_forces(Index a) const {
+    if (!problem_.body_force && !problem_.material->initial_strain) return {};
+    const std::vector<double> u = monomials_.node_parameters(span_of(a));
+    const Index n = monomials_.size();
+    Eigen::MatrixX3d forces = Eigen::MatrixX3d::Zero(n, 3);
+    if (problem_.body_force)
+      for (Index q = 0; q < n; ++q) {
+        const double* at = &u[3 * static_cast<std::size_t>(q)];
+        forces.row(q) =
+            as_vector(grid_.along_axes(problem_.body_force(grid_.to_position({at[0], at[1], at[2]})))).transpose();
+      }
+    if (problem_.material->initial_strain) {
+      const Strains stress = monomials_.through(initial_stress(a, u));
+      const MatrixXd gradients = monomials_.gradients(monomials_.nodes());
+      for (int k = 0; k < 3; ++k)
+        for (int i = 0; i < 3; ++i) forces.col(k) -= gradients.middleCols(i * n, n) * stress.col(voigt_place[k][i]);
+    }
+    return monomials_.through(forces);
+  }
+
+  // C ε₀ at points of a cell, in the grid's axes.
+  Strains initial_stress(Index a, std::span<const double> parameters) const {
+    Strains stress = problem_.material->initial_strain->at(a, parameters) * problem_.material->C;
+    const Eigen::Matrix3d R = rotation();
+    for (Index q = 0; q < stress.rows(); ++q) {
+      const Eigen::Matrix3d along = R.transpose() * tensor(stress.row(q)) * R;
+      for (int k = 0; k < 3; ++k)
+        for (int i = k; i < 3; ++i) stress(q, voigt_place[k][i]) = along(k, i);
+    }
+    return stress;
+  }
+
+  static Eigen::Matrix3d tensor(const Eigen::Matrix<double, 1, 6>& stress) {
+    Eigen::Matrix3d s;
+    for (int k = 0; k < 3; ++k)
+      for (int i = 0; i < 3; ++i) s(k, i) = stress[voigt_place[k][i]];
+    return s;
+  }
+
+  // ∫ (C ε₀ n) · w_j e_k dA over the surface of a cell, in row 3 j + k: (3 tests).
+  Eigen::VectorXd initial_on_surface(Index a) const {
+    const SurfacePoints& surface = model_.surface.quadrature;
+    const auto first = static_cast<std::size_t>(surface.offsets[static_cast<std::size_t>(a)]);
+    const auto parameters = surface_parameters(model_, a);
+    const MatrixXd W = weighted_tests(monomials_.local(span_of(a), parameters),
+                                      std::span(surface.weights).subspan(first, parameters.size() / 3));
+    const Strains stress = initial_stress(a, parameters);
+    Eigen::MatrixX3d traction(W.rows(), 3);
+    for (Index q = 0; q < W.rows(); ++q) {
+      const double* n = &surface.normals[3 * (first + static_cast<std::size_t>(q))];
+      traction.row(q) = (tensor(stress.row(q)) * as_vector(grid_.along_axes({n[0], n[1], n[2]}))).transpose();
+    }
+    return MatrixXd(traction.transpose() * W).reshaped();
   }
 
   // ∫ σ n · w_j e_k dA likewise.
@@ -236,6 +295,8 @@ class Residuals {
     const MatrixXd W = weighted_tests(xi, batch.weights), gradients = monomials_.gradients(xi);
     const CellFields fields = monomials_.fields(space_, batch.cell, problem_.unknowns, shapes);
     const Index n = monomials_.size();
+    Strains initial = Strains::Zero(xi.rows(), 6);
+    if (problem_.material->initial_strain) initial = initial_stress(batch.cell, batch.parameters);
     for (Index q = 0; q < xi.rows(); ++q) {
       const Point3& normal = batch.normals[static_cast<std::size_t>(q)];
       const Eigen::Vector3d along = as_vector(grid_.along_axes(normal));
@@ -244,7 +305,7 @@ class Residuals {
       for (Index f = 0; f < fields_; ++f) {
         Eigen::Matrix<double, 9, 3> slopes; // n_i ∂_m u_l
         for (Index i = 0; i < 3; ++i) slopes.middleRows<3>(3 * i) = along[i] * by.middleCols<3>(3 * f);
-        const Eigen::Vector3d own = traction_ * slopes.reshaped();
+        const Eigen::Vector3d own = traction_ * slopes.reshaped() - tensor(initial.row(q)) * along;
         const Eigen::Vector3d borne = traction(batch.positions[static_cast<std::size_t>(q)], normal, rotation() * own);
         const Eigen::Vector3d t = rotation().transpose() * borne;
         for (Index j = 0; j < tests; ++j) r.block<3, 1>(3 * j, f) += W(q, j) * t;
@@ -272,7 +333,6 @@ class Residuals {
   Eigen::Matrix<double, 3, 18> divergence_ = Eigen::Matrix<double, 3, 18>::Zero();
   Eigen::Matrix<double, 3, 27> traction_;
   Moments whole_;
-  Eigen::Vector3d body_force_; // in the grid's axes
 };
 
 } // namespace

@@ -19,14 +19,16 @@ struct LoadedRegion {
   BorneTraction traction;
 };
 
-/// Fields of one body that are to fulfil div σ(u) + λ ρ u + b = 0 inside and σ n = t on the surface.
+/// Fields of one body that are to fulfil div σ(u) + λ ρ u + b = 0 inside and σ n = t on the surface. A smooth initial
+/// strain of the material is known to σ.
 struct ResidualProblem {
   const SolutionSpace* space = nullptr;
   const ElasticMaterial* material = nullptr;
-  Eigen::MatrixXd unknowns;                             ///< (space->num_unknowns() × k)
-  Eigen::VectorXd lambda;                               ///< (k), 1/time²; ω² of modes, 0 in statics
-  Eigen::Vector3d body_force = Eigen::Vector3d::Zero(); ///< force/length³
-  std::vector<LoadedRegion> loaded;                     ///< elsewhere t = 0
+  Eigen::MatrixXd unknowns; ///< (space->num_unknowns() × k)
+  Eigen::VectorXd lambda;   ///< (k), 1/time²; ω² of modes, 0 in statics
+  /// force/length³ at a position; a polynomial of the grid's degree in each direction at most. Empty: none.
+  std::function<Point3(const Point3&)> body_force;
+  std::vector<LoadedRegion> loaded; ///< elsewhere t = 0
 };
 
 /// Estimated a(e, e) of the error e = u - u_h, by cell: (num_cells × k), force · length. Of modes with xᵀ M x = 1 their

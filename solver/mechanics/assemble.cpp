@@ -1,5 +1,7 @@
 #include "solver/mechanics/assemble.hpp"
 
+#include "solver/base/eigen_points.hpp"
+#include "solver/base/in_order.hpp"
 #include "solver/space/tensor_gradients.hpp"
 
 #include <algorithm>
@@ -230,7 +232,9 @@ MassMatrix assemble_mass(const BodySystem& system, const std::shared_ptr<const C
 
 MassMatrix assemble_mass(const SolutionSpace& space, const std::shared_ptr<const Connectivity>& connectivity,
                          double density) {
-  return assemble_mass(BodySystem(space, {.density = density}), connectivity);
+  ElasticMaterial material;
+  material.density = density;
+  return assemble_mass(BodySystem(space, material), connectivity);
 }
 
 void span_stiffness(const SolutionSpace& space, std::int64_t a, const ElasticMaterial& material, SpanShapes& shapes,
@@ -276,6 +280,30 @@ Eigen::VectorXd body_force(const SolutionSpace& space, const Point3& b) {
   Eigen::VectorXd f(space.num_unknowns());
   for (Eigen::Index n = 0; n < integrals.size(); ++n)
     for (Eigen::Index d = 0; d < 3; ++d) f[3 * n + d] = integrals[n] * b[static_cast<std::size_t>(d)];
+  return f;
+}
+
+Eigen::VectorXd distributed_load(const SolutionSpace& space, const std::function<Point3(const Point3&)>& b) {
+  const SplineGrid& grid = space.model().grid;
+  Eigen::VectorXd f = Eigen::VectorXd::Zero(space.num_unknowns());
+  in_order(
+      static_cast<std::size_t>(space.num_cells()),
+      [&](std::size_t a) {
+        thread_local WorkSpace work;
+        const auto [parameters, weights] = span_points(space, static_cast<std::int64_t>(a), work.points);
+        evaluate(space, static_cast<std::int64_t>(a), parameters, Shapes::Values, work.shapes);
+        Eigen::Matrix3Xd forces(3, static_cast<Eigen::Index>(weights.size()));
+        for (std::size_t q = 0; q < weights.size(); ++q) {
+          const Point3 x = grid.to_position({parameters[3 * q], parameters[3 * q + 1], parameters[3 * q + 2]});
+          forces.col(static_cast<Eigen::Index>(q)) = weights[q] * as_vector(b(x));
+        }
+        return Eigen::MatrixXd(forces * work.shapes.values);
+      },
+      [&](std::size_t a, const Eigen::MatrixXd& nodal) {
+        const auto nodes = space.nodes(static_cast<std::int64_t>(a));
+        for (std::size_t r = 0; r < nodes.size(); ++r)
+          f.segment<3>(3 * nodes[r]) += nodal.col(static_cast<Eigen::Index>(r));
+      });
   return f;
 }
 

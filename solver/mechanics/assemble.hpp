@@ -3,6 +3,8 @@
 
 #include "solver/mechanics/body_system.hpp"
 
+#include <functional>
+
 namespace iga::solve {
 
 /// K_ij = ∫ B_iᵀ C B_j dV, by the model's points.
@@ -30,5 +32,8 @@ void span_stiffness(const SolutionSpace& space, std::int64_t a, const ElasticMat
 
 /// f_i = ∫ N_i b dV for a body force b (force/length³). (num_unknowns)
 Eigen::VectorXd body_force(const SolutionSpace& space, const Point3& b);
+
+/// The same for a body force that depends on the position, by the model's points. (num_unknowns)
+Eigen::VectorXd distributed_load(const SolutionSpace& space, const std::function<Point3(const Point3&)>& b);
 
 } // namespace iga::solve

@@ -5,6 +5,7 @@
 #include "solver/mechanics/assemble.hpp"
 #include "solver/mechanics/spread_loads.hpp"
 
+#include <cassert>
 #include <fmt/format.h>
 
 namespace iga::solve {
@@ -22,13 +23,14 @@ void add_resultant(LoadReport& report, const Point3& x, const Point3& force) {
   report.moment = plus(report.moment, cross(x, force));
 }
 
-Eigen::VectorXd volume_load(const SolutionSpace& space, const Point3& b, LoadReport& report) {
+Eigen::VectorXd volume_load(const SolutionSpace& space, const BodyForce& b, LoadReport& report) {
   const IntegrationPoints& points = space.model().points;
   for (std::size_t q = 0; q < points.weights.size(); ++q) {
     const Point3 u{points.parameters[3 * q], points.parameters[3 * q + 1], points.parameters[3 * q + 2]};
-    add_resultant(report, space.model().grid.to_position(u), times(b, points.weights[q]));
+    const Point3 x = space.model().grid.to_position(u);
+    add_resultant(report, x, times(b(x), points.weights[q]));
   }
-  return body_force(space, b);
+  return distributed_load(space, b);
 }
 
 // The traction of a load on a region; force/length on a line, force at a point.
@@ -101,10 +103,23 @@ Eigen::VectorXd traction_load(const SolutionSpace& space, const SurfaceRegion& r
   return f;
 }
 
-std::optional<Point3> volume_force(const Load& load, double density) {
+bool acts_on_volume(LoadKind kind) {
+  return kind == LoadKind::BodyForce || kind == LoadKind::Acceleration || kind == LoadKind::Centrifugal;
+}
+
+std::optional<BodyForce> volume_force(const Load& load, double density) {
+  if (load.kind == LoadKind::Centrifugal) {
+    assert(!load.spin.rpm);
+    const Point3 axis = in_part_frame(load.frame, load.spin.axis);
+    const double outward = density * load.spin.speed * load.spin.speed, along = density * load.spin.acceleration;
+    return [axis, outward, along, point = load.spin.point](const Point3& x) {
+      const Point3 from = minus(x, point), r = minus(from, times(axis, dot(axis, from)));
+      return minus(times(r, outward), times(cross(axis, r), along));
+    };
+  }
   const Point3 vector = in_part_frame(load.frame, load.vector);
-  if (load.kind == LoadKind::BodyForce) return vector;
-  if (load.kind == LoadKind::Acceleration) return times(vector, density);
+  const double factor = load.kind == LoadKind::Acceleration ? density : 1;
+  if (acts_on_volume(load.kind)) return [b = times(vector, factor)](const Point3&) { return b; };
   return std::nullopt;
 }
 
@@ -135,6 +150,8 @@ const char* name_of(LoadKind kind) {
     return "body force";
   case LoadKind::Acceleration:
     return "acceleration";
+  case LoadKind::Centrifugal:
+    return "centrifugal";
   case LoadKind::Pressure:
     return "pressure";
   case LoadKind::TotalForce:

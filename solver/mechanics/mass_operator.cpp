@@ -228,7 +228,9 @@ SparedMasses spare_masses(const BodySystem& system) {
 
 MassOperator make_mass(MassType type, const SolutionSpace& space,
                        const std::shared_ptr<const Connectivity>& connectivity, double density) {
-  return make_mass(type, BodySystem(space, {.density = density}), connectivity);
+  ElasticMaterial material;
+  material.density = density;
+  return make_mass(type, BodySystem(space, material), connectivity);
 }
 
 MassOperator make_mass(MassType type, const BodySystem& system,

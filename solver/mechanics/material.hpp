@@ -5,6 +5,9 @@
 
 #include <Eigen/Core>
 
+#include <memory>
+#include <optional>
+#include <span>
 #include <vector>
 
 namespace iga::solve {
@@ -17,10 +20,30 @@ using VoigtMatrix = Eigen::Matrix<double, 6, 6>;
 /// Place of the tensor component (a, b) in such a vector.
 constexpr int voigt_place[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
 
-/// σ = C ε with a positive definite C.
+/// Strains at some points, row by row in the order of Voigt.
+using Strains = Eigen::Matrix<double, Eigen::Dynamic, 6>;
+
+/// A strain that a body has without stress: thermal expansion, the tightening of a bolt.
+class StrainField {
+ public:
+  virtual ~StrainField() = default;
+  /// At points of a cell of the body's model. Safe to call from several threads.
+  /// @param parameters  (n × 3), row-major, knot space
+  /// @returns (n × 6)
+  virtual Strains at(std::int64_t cell, std::span<const double> parameters) const = 0;
+  /// Polynomials of the splines' degree follow it inside a span: no jumps, no kinks.
+  virtual bool is_smooth() const { return true; }
+};
+
+/// σ = C (ε - ε₀) with a positive definite C.
 struct ElasticMaterial {
   VoigtMatrix C = VoigtMatrix::Zero(); ///< force/length², symmetric
   double density = 1;                  ///< mass/length³
+  std::optional<double> expansion;     ///< thermal, the same in all directions; 1/temperature
+  std::optional<double> conductivity;  ///< of heat; power/(length · temperature)
+  /// ε₀ of one static solution (StaticSolution::system); null: none. Whatever makes stresses from strains takes it off;
+  /// stiffness, modes and waves do not know it.
+  std::shared_ptr<const StrainField> initial_strain;
 
   /// Largest and smallest speed of a plane wave over a fixed set of directions (length/time): c_L and c_S where the
   /// material is isotropic. Eigenvalues of the acoustic tensor A(n) / ρ.

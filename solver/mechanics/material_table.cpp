@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -95,8 +96,20 @@ NamedMaterial find_material(const std::string& name, const std::optional<std::fi
   std::optional<NamedMaterial> found;
   for (const std::string& title : titles) {
     io::SettingsTable table = root.table(title);
-    const NamedMaterial material{title, table.text("source").value_or(""), need_number(table, "E"),
-                                 need_number(table, "nu"), need_number(table, "rho")};
+    const NamedMaterial material{title,
+                                 table.text("source").value_or(""),
+                                 need_number(table, "E"),
+                                 need_number(table, "nu"),
+                                 need_number(table, "rho"),
+                                 table.number("expansion"),
+                                 table.number("conductivity")};
+    if (material.conductivity && !(*material.conductivity > 0))
+      throw InputError(
+          fmt::format("{}: found {:g}, expected W/(m K) above 0", table.where("conductivity"), *material.conductivity));
+    // From glass ceramics (-1e-6) to rubbers and waxes: beyond, it is given per something else than a kelvin.
+    if (material.expansion && std::abs(*material.expansion) > 1e-3)
+      throw InputError(
+          fmt::format("{}: found {:g}, expected 1/K (steel: 12e-6)", table.where("expansion"), *material.expansion));
     std::vector<std::string> names = table.texts("aliases").value_or(std::vector<std::string>{});
     names.insert(names.begin(), title);
     try {
@@ -129,7 +142,7 @@ std::string material_text(const MaterialWords& words, double volume) {
   std::vector<std::string> numbers;
   if (words.E) numbers.push_back(fmt::format("E = {:.6g}{}", *words.E, unit(words.units ? words.units->stress : "")));
   if (words.nu) numbers.push_back(fmt::format("nu = {:.6g}", *words.nu));
-  if (!words.E) numbers.emplace_back("stiffness matrix C as given");
+  if (!words.E && !words.conductivity) numbers.emplace_back("stiffness matrix C as given");
   if (words.rho)
     numbers.push_back(fmt::format("rho = {:.6g}{}", *words.rho, unit(words.units ? words.units->density : "")));
   std::string text =

@@ -27,6 +27,19 @@ double strain_energy(const TrimmedModel& model, const FieldSamples& fields) {
   return energy;
 }
 
+double initial_strain_work(const TrimmedModel& model, const ElasticMaterial& material, const FieldSamples& fields) {
+  if (!material.initial_strain) return 0;
+  double work = 0;
+  std::size_t q = 0;
+  for (std::int64_t a = 0; a < static_cast<std::int64_t>(model.num_cells()); ++a) {
+    const Strains initial = material.initial_strain->at(a, cell_parameters(model, a));
+    for (Eigen::Index i = 0; i < initial.rows(); ++i, ++q)
+      work -= 0.5 * model.points.weights[q] *
+              initial.row(i).dot(Eigen::Map<const Eigen::RowVectorXd>(&fields.stress[6 * q], 6));
+  }
+  return work;
+}
+
 std::vector<LocatedPoint> locate_probes(const TrimmedModel& model, std::span<const Probe> probes) {
   std::vector<LocatedPoint> located;
   if (probes.empty()) return located;

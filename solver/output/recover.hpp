@@ -18,6 +18,10 @@ FieldSamples recover_fields(const SolutionSpace& space, const ElasticMaterial& m
 /// ½ ∫ σ : ε dV from the fields at the volume's quadrature points (force · length).
 double strain_energy(const TrimmedModel& model, const FieldSamples& fields);
 
+/// -½ ∫ σ : ε₀ dV of the material's initial strain ε₀ (force · length): with it, ½ ∫ σ : ε is the energy that is
+/// stored, ½ ∫ σ : (ε - ε₀).
+double initial_strain_work(const TrimmedModel& model, const ElasticMaterial& material, const FieldSamples& fields);
+
 struct Probe {
   std::string name;
   Point3 position{};     ///< length, the part's frame

@@ -45,6 +45,7 @@ struct WorkSpace {
   MatrixXd coefficients;               ///< (nodes × 3 steps)
   MatrixXd displacement;               ///< (points × 3 steps)
   std::array<MatrixXd, 3> derivatives; ///< by x, y, z; as displacement
+  Strains initial;                     ///< (points × 6), where the material has initial strains
 };
 
 // ∂N/∂x_d of all nodes: every third column of the gradients.
@@ -102,6 +103,8 @@ class Sampler {
     if (fields_ != Fields::Displacement)
       for (std::size_t d = 0; d < 3; ++d)
         work.derivatives[d].noalias() = gradients_by(work.shapes, static_cast<Index>(d)) * work.coefficients;
+    if (fields_ != Fields::Displacement && material_.initial_strain)
+      work.initial = material_.initial_strain->at(batch.cell, work.parameters);
     for (std::size_t i = batch.first; i < batch.last; ++i)
       for (Index step = 0; step < unknowns_.cols(); ++step)
         store(order_[i], static_cast<Index>(i - batch.first), step, work);
@@ -112,7 +115,10 @@ class Sampler {
     for (std::size_t d = 0; d < 3; ++d)
       out_.displacement[3 * at + d] = work.displacement(q, 3 * step + static_cast<Index>(d));
     if (fields_ == Fields::Displacement) return;
-    const Voigt strain = strain_at(work.derivatives, q, step), stress = material_.C * strain;
+    const Voigt strain = strain_at(work.derivatives, q, step);
+    Voigt elastic = strain;
+    if (material_.initial_strain) elastic -= work.initial.row(q).transpose();
+    const Voigt stress = material_.C * elastic;
     out_.von_mises[at] = von_mises(stress);
     if (fields_ != Fields::All) return;
     for (std::size_t c = 0; c < 6; ++c) {

@@ -19,6 +19,8 @@ enum class Fields {
   All,      ///< strain and stress too
 };
 
+/// Strains are those of the displacement; stresses C (ε - ε₀) with the material's initial strain, the same in all
+/// steps. This is the one place where stresses of a solution are made.
 /// @param unknowns  (num_unknowns × steps)
 /// Parallel; the same bits for any number of threads.
 FieldSamples sample_fields(const SolutionSpace& space, const ElasticMaterial& material, const SamplePoints& points,

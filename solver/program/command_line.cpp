@@ -19,6 +19,7 @@ const char* const footer = R"(Examples:
   igasolve eigen part.h5 --E 210 --nu 0.3 --rho 7.8e-6 --largest --mass lumped
   igasolve timestep part.h5 --E 210 --nu 0.3 --rho 7.8e-6
   igasolve static run.toml -o static.h5
+  igasolve heat run.toml -o heat.h5                      steady temperatures; static reads them
   igasolve explicit impact.toml -o impact.h5             impact and crush; igasolve explicit --help shows a run file
   igasolve export modes.h5 --csv                         frequencies, series, probes, fields as tables
 
@@ -30,8 +31,11 @@ memory is exit code 2 and says so.)";
 const char* const analysis_footer =
     R"(Any consistent set of units: E in force/length², rho in mass/length³, frequencies in cycles per time. The run file
 (.toml) holds the flags' names with underscores: model, output, units, unit_system, material, materials, mass,
-light_functions, light_threshold; [material] name, E, nu, rho or C; [eigen] modes or modes_below, largest, sturm, errors;
-[results] subdivide, viewer; [[support]], [[load]], [[probe]].
+light_functions, light_threshold; [material] name, E, nu, rho or C, expansion, conductivity; [eigen] modes or modes_below,
+largest, sturm, errors; [results] subdivide, viewer; [[support]], [[load]], [[probe]]. Loads of the whole part: body_force,
+acceleration, centrifugal = { axis, point, speed or rpm, angular_acceleration }. [[case]] name, loads, prescribed; [temperature]
+uniform, formula, file or results, reference; [[bolt]] plane, force, box, length; inertia_relief; [[heat]] temperature, flux,
+power, convection or source.
 Several bodies, instead of model: [[bodies]] name, model, material, place, light_functions, light_threshold; [[ties]] name,
 bodies, first, second, tolerance, method, penalty_factor join their surfaces; supports, loads and probes say their body.
 Paths in it are relative to its folder; flags override it.)";
@@ -161,7 +165,8 @@ CLI::App* add_export(CLI::App& app, Raw& raw, ExportCommand& c) {
   sub->add_flag("--quiet", raw.quiet, "Print errors only")->excludes(json);
   sub->footer(R"(Tables:
   eigen      frequencies, participation, surface, triangles
-  static     reactions, loads, probes, points, surface, triangles
+  static     reactions, loads, cases, probes, points, surface, triangles
+  heat       heat, probes, surface, triangles
   explicit   energy, contact_NAME, body_NAME, rigid_NAME, support_NAME, surface_NAME_STEP, triangles_NAME
   model      points, surface_points, spans, functions
 
@@ -218,6 +223,9 @@ std::optional<Command> parse_command_line(int argc, const char* const* argv) {
   add_mass(*timestep, analysis.typed, "lumped");
   CLI::App* statics = add_analysis(app, "static", "Displacements and stresses under loads and supports", raw, analysis);
   add_results(*statics, analysis.typed);
+  CLI::App* heat =
+      add_analysis(app, "heat", "Steady temperatures: conduction, fluxes, convection, sources", raw, analysis);
+  add_results(*heat, analysis.typed);
   ExportCommand tables;
   CLI::App* export_app = add_export(app, raw, tables);
   ExplicitCommand dynamics;
@@ -247,7 +255,10 @@ std::optional<Command> parse_command_line(int argc, const char* const* argv) {
     return dynamics;
   }
   analysis.style = style;
-  analysis.analysis = *eigen ? Analysis::Eigen : *timestep ? Analysis::Timestep : Analysis::Static;
+  analysis.analysis = *eigen      ? Analysis::Eigen
+                      : *timestep ? Analysis::Timestep
+                      : *heat     ? Analysis::Heat
+                                  : Analysis::Static;
   (void)statics;
   analysis.text = io::command_text("igasolve", argc, argv);
   settle_file(raw, analysis);

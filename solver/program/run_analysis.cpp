@@ -86,6 +86,8 @@ int run_analysis(const AnalysisCommand& command) {
       return eigen_command(run);
     case Analysis::Timestep:
       return timestep_command(run);
+    case Analysis::Heat:
+      return heat_command(run);
     default:
       return static_command(run);
     }

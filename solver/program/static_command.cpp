@@ -10,28 +10,90 @@ namespace iga::solve {
 
 namespace {
 
-Results static_results(const AnalysisRun& run, const BodySystem& system, StaticSolution& solution) {
+void append(std::vector<double>& all, const std::vector<double>& more) {
+  all.insert(all.end(), more.begin(), more.end());
+}
+
+void append(SurfaceResult& all, const SurfaceResult& more) {
+  append(all.steps, more.steps);
+  append(all.fields.displacement, more.fields.displacement);
+  append(all.fields.strain, more.fields.strain);
+  append(all.fields.stress, more.fields.stress);
+  append(all.fields.von_mises, more.fields.von_mises);
+}
+
+CaseResult case_result(const StaticSolution& solution) {
+  CaseResult one{solution.case_name,
+                 solution.factors,
+                 solution.result.displacement,
+                 {},
+                 solution.result.strain_energy,
+                 solution.largest_displacement.value,
+                 solution.largest_von_mises.value};
+  for (const SupportResult& support : solution.result.supports) one.support_force.push_back(support.force);
+  return one;
+}
+
+// Step by step, each case with the stresses of its own initial strains.
+void add_case(const AnalysisRun& run, const StaticSolution& solution, double step, Results& all) {
+  Results one;
+  add_fields(run, solution.system, solution.unknowns, {step}, Fields::All, one);
+  if (step == 1) {
+    all.active_functions = std::move(one.active_functions);
+    all.surface = std::move(one.surface);
+    all.parts = std::move(one.parts);
+    return;
+  }
+  if (all.surface) append(*all.surface, *one.surface);
+  for (std::size_t b = 0; b < all.parts.size(); ++b) {
+    append(all.parts[b].coefficients, one.parts[b].coefficients);
+    append(all.parts[b].surface, one.parts[b].surface);
+  }
+}
+
+Results static_results(const AnalysisRun& run, const BodySystem& system, std::vector<StaticSolution>& solutions) {
   Results results = results_head(run, "static", system);
-  add_fields(run, system, solution.unknowns, {1}, Fields::All, results);
-  for (std::size_t b = 0; b < results.parts.size(); ++b)
-    results.parts[b].point_stress = std::move(solution.bodies[b].points.stress);
-  results.statics = std::move(solution.result);
+  for (std::size_t c = 0; c < solutions.size(); ++c) add_case(run, solutions[c], static_cast<double>(c + 1), results);
+  std::vector<CaseResult> cases;
+  if (!solutions[0].case_name.empty())
+    for (const StaticSolution& solution : solutions) cases.push_back(case_result(solution));
+  if (solutions.size() == 1) // of the only step
+    for (std::size_t b = 0; b < results.parts.size(); ++b)
+      results.parts[b].point_stress = std::move(solutions[0].bodies[b].points.stress);
+  results.statics = std::move(solutions[0].result);
+  results.statics->cases = std::move(cases);
   return results;
 }
 
-std::string json_report(const AnalysisRun& run, const BodySystem& system, const StaticSolution& solution) {
+std::string json_report(const AnalysisRun& run, const BodySystem& system, std::span<const StaticSolution> solutions) {
   io::JsonObject report;
   add_models(report, run, system);
-  report.add("statics", static_json(solution, system));
+  if (solutions[0].case_name.empty()) {
+    report.add("statics", static_json(solutions[0], system));
+  } else {
+    std::vector<io::JsonObject> cases;
+    for (const StaticSolution& solution : solutions) cases.push_back(static_json(solution, system));
+    const CaseEnvelope envelope = envelope_of(solutions);
+    report.add("cases", cases);
+    report.add("envelope", io::JsonObject()
+                               .add("largest_displacement", solutions[envelope.displacement].largest_displacement.value)
+                               .add("largest_displacement_case", solutions[envelope.displacement].case_name)
+                               .add("largest_von_mises", solutions[envelope.von_mises].largest_von_mises.value)
+                               .add("largest_von_mises_case", solutions[envelope.von_mises].case_name));
+  }
   add_end(report, run);
   return report.text();
 }
 
-std::string text_report(const AnalysisRun& run, const BodySystem& system, const StaticSolution& solution) {
+std::string text_report(const AnalysisRun& run, const BodySystem& system, std::span<const StaticSolution> solutions) {
   TextReport head, end;
   add_models(head, run, system);
   add_end(end, run);
-  return head.text() + static_text(solution, system) + end.text();
+  if (solutions[0].case_name.empty()) return head.text() + static_text(solutions[0], system) + end.text();
+  std::string cases;
+  for (const StaticSolution& solution : solutions)
+    cases += fmt::format("case '{}'\n{}", solution.case_name, static_text(solution, system));
+  return head.text() + cases + envelope_text(solutions, system) + end.text();
 }
 
 } // namespace
@@ -40,18 +102,18 @@ int static_command(AnalysisRun& run) {
   const BodySystem system = make_system(run.settings, run.models);
   warn(run, space_warnings(system));
   warn_of_joined_bodies(run, system);
-  StaticSolution solution;
+  std::vector<StaticSolution> solutions;
   try {
-    solution = run_static(run.settings, run.settings.statics, system);
+    solutions = run_static_cases(run.settings, run.settings.statics, system);
   } catch (const NumericalError& error) {
     throw NumericalError(fmt::format("{}; {}", error.what(), numerical_advice(run.settings, run.models)));
   }
-  warn(run, solution.warnings);
-  run.timings.insert(run.timings.end(), solution.timings.begin(), solution.timings.end());
-  const std::string report =
-      run.command.style == ReportStyle::Json ? json_report(run, system, solution) : text_report(run, system, solution);
+  for (const StaticSolution& solution : solutions) warn(run, solution.warnings);
+  run.timings.insert(run.timings.end(), solutions[0].timings.begin(), solutions[0].timings.end());
+  const std::string report = run.command.style == ReportStyle::Json ? json_report(run, system, solutions)
+                                                                    : text_report(run, system, solutions);
   if (!run.settings.output.empty()) {
-    Results results = static_results(run, system, solution);
+    Results results = static_results(run, system, solutions);
     write_outputs(run, results);
   }
   print_report(run, report);

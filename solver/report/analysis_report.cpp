@@ -75,6 +75,8 @@ void add_model(io::JsonObject& report, const RunBody& body, const TrimmedModel& 
   material.add("name", words.name).add("source", words.source).add("unit_system", words.units ? words.units->name : "");
   if (words.E) material.add("E", *words.E).add("nu", *words.nu);
   if (words.rho) material.add("rho", *words.rho);
+  if (words.expansion) material.add("expansion", *words.expansion);
+  if (words.conductivity) material.add("conductivity", *words.conductivity);
   if (const auto mass = mass_in_kg(words, summary.volume)) material.add("mass_in_kg", *mass);
   report.add("material", material);
 }

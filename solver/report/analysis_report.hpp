@@ -87,5 +87,6 @@ void print_report(const AnalysisRun& run, const std::string& report);
 int eigen_command(AnalysisRun& run);
 int timestep_command(AnalysisRun& run);
 int static_command(AnalysisRun& run);
+int heat_command(AnalysisRun& run);
 
 } // namespace iga::solve

@@ -37,6 +37,8 @@ void add_fields(CsvTable& table, const Units& units, const FieldSamples& f) {
   table.numbers("strain", "1", f.strain, voigt);
   table.numbers("stress", units("force/length^2"), f.stress, voigt);
   table.numbers("von_mises", units("force/length^2"), f.von_mises);
+  table.numbers("temperature", "temperature", f.temperature);
+  table.numbers("heat_flux", units("power/length^2"), f.heat_flux, xyz);
 }
 
 void visit_triangles(const std::string& name, const TriangleMesh& mesh, const TableVisitor& visit) {
@@ -129,9 +131,49 @@ void visit_forces(const char* name, const std::vector<Entry>& list, const char* 
   visit(table);
 }
 
+// One row for each load case: factors, sizes, reactions.
+void visit_cases(const StaticResult& s, const Units& units, const TableVisitor& visit) {
+  CsvTable table("cases", s.cases.size());
+  const auto number = [&](const std::string& title, auto get) {
+    table.add(title, [&s, get](std::size_t row) { return fmt::format("{}", get(s.cases[row])); });
+  };
+  table.add("name", [&s](std::size_t row) { return s.cases[row].name; });
+  for (std::size_t k = 0; k < s.loads.size(); ++k)
+    number(fmt::format("factor of {} [1]", s.loads[k].name), [k](const CaseResult& c) { return c.factors[k]; });
+  number(fmt::format("strain_energy [{}]", units("force*length")), [](const CaseResult& c) { return c.strain_energy; });
+  number(fmt::format("largest_displacement [{}]", units("length")),
+         [](const CaseResult& c) { return c.largest_displacement; });
+  number(fmt::format("largest_von_mises [{}]", units("force/length^2")),
+         [](const CaseResult& c) { return c.largest_von_mises; });
+  for (std::size_t k = 0; k < s.supports.size(); ++k)
+    for (std::size_t d = 0; d < 3; ++d)
+      number(fmt::format("reaction of {}{} [force]", s.supports[k].name, xyz[d]),
+             [k, d](const CaseResult& c) { return c.support_force[k][d]; });
+  visit(table);
+}
+
+void visit_heat(const HeatResult& h, const Units& units, const TableVisitor& visit) {
+  CsvTable table("heat", h.boundaries.size());
+  table.add("name", [&h](std::size_t row) { return h.boundaries[row].name; });
+  table.add("kind", [&h](std::size_t row) { return h.boundaries[row].kind; });
+  table.add(fmt::format("area [{}]", units("length^2")),
+            [&h](std::size_t row) { return fmt::format("{}", h.boundaries[row].area); });
+  add_vector(table, "centroid", units("length"), h.boundaries, &HeatBoundaryResult::centroid);
+  table.add("temperature [temperature]",
+            [&h](std::size_t row) { return fmt::format("{}", h.boundaries[row].temperature); });
+  table.add("power [power]", [&h](std::size_t row) { return fmt::format("{}", h.boundaries[row].power); });
+  visit(table);
+  CsvTable probes("probes", h.probes.names.size());
+  probes.add("name", [&h](std::size_t row) { return h.probes.names[row]; });
+  probes.numbers("position", units("length"), h.probes.positions, xyz);
+  add_fields(probes, units, h.probes.fields);
+  visit(probes);
+}
+
 void visit_statics(const StaticResult& s, const Units& units, const TableVisitor& visit) {
   visit_forces("reactions", s.supports, "method", &SupportResult::method, units, visit);
   visit_forces("loads", s.loads, "kind", &LoadResult::kind, units, visit);
+  if (!s.cases.empty()) visit_cases(s, units, visit);
   CsvTable probes("probes", s.probes.names.size());
   probes.add("name", [&s](std::size_t row) { return s.probes.names[row]; });
   probes.numbers("position", units("length"), s.probes.positions, xyz);
@@ -214,6 +256,7 @@ void visit_tables(const std::filesystem::path& file, const Results& results, con
   if (results.eigen) visit_modes(*results.eigen, visit);
   if (results.eigen && !results.eigen->participation.empty()) visit_participation(*results.eigen, units, visit);
   if (results.statics) visit_statics(*results.statics, units, visit);
+  if (results.heat) visit_heat(*results.heat, units, visit);
   if (results.time_series) visit_series(*results.time_series, units, visit);
   if (results.surface) visit_surface(*results.surface, units, visit);
   if (results.fields) visit_field_files(file, results, units, visit);

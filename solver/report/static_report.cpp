@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <tuple>
 
 namespace iga::solve {
 
@@ -42,13 +43,32 @@ std::string size_of(const RegionReport& region, const Point3& centroid) {
                          : fmt::format("acts about {}", text(centroid));
 }
 
-JsonObject json_of(const RigidMotion& motion) {
-  return JsonObject().add("at", motion.at).add("displacement", motion.displacement).add("rotation", motion.rotation);
+// The bodies that move together, where the run has several.
+std::string of_bodies(const RigidAcceleration& a) {
+  return a.bodies.empty() ? "" : fmt::format(" of '{}'", fmt::join(a.bodies, "', '"));
 }
 
-// A body's name, where it has to be said.
-std::string on(const std::string& body) {
-  return body.empty() ? "" : fmt::format(" on '{}'", body);
+std::vector<JsonObject> json_of(const std::vector<RigidAcceleration>& relief) {
+  std::vector<JsonObject> list;
+  for (const RigidAcceleration& a : relief) {
+    list.emplace_back();
+    if (!a.bodies.empty()) list.back().add("bodies", a.bodies);
+    list.back().add("mass", a.mass).add("centre", a.centre).add("acceleration", a.acceleration);
+    list.back().add("angular_acceleration", a.angular).add("inertia_force", a.inertia_force);
+    list.back().add("inertia_moment_about_origin", a.inertia_moment);
+  }
+  return list;
+}
+
+std::vector<JsonObject> json_of(const std::vector<TemperatureReport>& temperatures) {
+  std::vector<JsonObject> list;
+  for (const TemperatureReport& t : temperatures) {
+    list.emplace_back();
+    if (!t.body.empty()) list.back().add("body", t.body);
+    list.back().add("source", t.source).add("least", t.least).add("most", t.most);
+    list.back().add("reference", t.reference).add("factor", t.factor);
+  }
+  return list;
 }
 
 JsonObject named(const std::string& name, const std::string& body) {
@@ -56,6 +76,25 @@ JsonObject named(const std::string& name, const std::string& body) {
   object.add("name", name);
   if (!body.empty()) object.add("body", body);
   return object;
+}
+
+std::vector<JsonObject> json_of(const std::vector<BoltReport>& bolts) {
+  std::vector<JsonObject> list;
+  for (const BoltReport& b : bolts) {
+    list.push_back(named(b.name, b.body));
+    list.back().add("preload", b.preload).add("factor", b.factor).add("section", b.section);
+    list.back().add("shortening", b.shortening).add("force", b.force);
+  }
+  return list;
+}
+
+JsonObject json_of(const RigidMotion& motion) {
+  return JsonObject().add("at", motion.at).add("displacement", motion.displacement).add("rotation", motion.rotation);
+}
+
+// A body's name, where it has to be said.
+std::string on(const std::string& body) {
+  return body.empty() ? "" : fmt::format(" on '{}'", body);
 }
 
 void add_largest(JsonObject& report, const std::string& name, const LargestValue& largest, const BodySystem& system) {
@@ -99,7 +138,8 @@ std::string static_text(const StaticSolution& s, const BodySystem& system) {
   }
   for (std::size_t k = 0; k < s.result.loads.size(); ++k) {
     const LoadResult& r = s.result.loads[k];
-    line(fmt::format("load '{}'{} ({}): {}", r.name, on(s.loads[k].region.body), r.kind,
+    const std::string times = s.factors.at(k) == 1 ? "" : fmt::format(" × {:g}", s.factors[k]);
+    line(fmt::format("load '{}'{} ({}){}: {}", r.name, on(s.loads[k].region.body), r.kind, times,
                      size_of(s.loads[k].region, r.centroid)));
     note(s.loads[k].region);
     line(fmt::format("  resultant {}, moment about it {}", text(r.force, unit), text(r.moment)));
@@ -108,14 +148,33 @@ std::string static_text(const StaticSolution& s, const BodySystem& system) {
         line(fmt::format("  its region stays rigid: {} moves by {}, turns by {} rad", text(motion.at),
                          text(motion.displacement), text(motion.rotation)));
   }
+  for (const TemperatureReport& t : s.temperatures)
+    line(fmt::format("temperature{} ({}): {:.6g} … {:.6g}, no thermal strain at {:.6g}{}", on(t.body), t.source,
+                     t.least, t.most, t.reference,
+                     t.factor == 1 ? "" : fmt::format("; thermal strain × {:g}", t.factor)));
+  for (const BoltReport& b : s.bolts) {
+    line(fmt::format("bolt '{}'{}: preload {:.6g}, section {:.6g}, shortened by {:.6g}{}", b.name, on(b.body),
+                     b.preload, b.section, b.shortening, b.factor == 1 ? "" : fmt::format(" × {:g}", b.factor)));
+    line(fmt::format("  tension under all that acts {:.6g}, mean stress {:.6g}", b.force, b.force / b.section));
+  }
+  for (const RigidAcceleration& a : s.relief) {
+    line(fmt::format("inertia relief{}: mass {:.6g} accelerates by {} at its centre {}", of_bodies(a), a.mass,
+                     text(a.acceleration), text(a.centre)));
+    line(fmt::format("  turns by {} rad/time²; force of inertia {}, displacements without rigid motion",
+                     text(a.angular), text(a.inertia_force, unit)));
+  }
   line(fmt::format("balance of forces {}, relative residual {:.2g}", text(s.force_balance, unit), s.residual));
   const StaticResult& r = s.result;
   const char* const holders = s.ties.empty() ? "the supports" : "supports and ties";
   line(fmt::format("strain energy {:.8g} + penalty energy of {} {:.8g}", r.strain_energy, holders, r.penalty_energy));
   line(fmt::format(
       "  = work of the loads {:.8g} + of the reactions on prescribed displacements {:.8g} + of the stress on "
-      "what {} give way {:.8g}; off by {:.2g}",
-      r.external_work, r.support_work, holders, r.gap_work, energy_defect(r)));
+      "what {} give way {:.8g}{}; off by {:.2g}",
+      r.external_work, r.support_work, holders, r.gap_work,
+      r.initial_strain_work == 0
+          ? ""
+          : fmt::format(" + of the stress on thermal and bolts' strain {:.8g}", r.initial_strain_work),
+      energy_defect(r)));
   if (const auto errors = relative_errors(s))
     line(fmt::format(
         "estimated errors on this grid: strain energy {:.2g} %, stresses {:.2g} % in the mean over the part "
@@ -144,6 +203,29 @@ std::string static_text(const StaticSolution& s, const BodySystem& system) {
   return out;
 }
 
+std::string envelope_text(std::span<const StaticSolution> cases, const BodySystem& system) {
+  const CaseEnvelope envelope = envelope_of(cases);
+  std::string out = "all cases:\n";
+  for (const auto& [what, number, largest] :
+       {std::tuple{"displacement", envelope.displacement, &StaticSolution::largest_displacement},
+        std::tuple{"von Mises stress", envelope.von_mises, &StaticSolution::largest_von_mises}}) {
+    const LargestValue& value = cases[number].*largest;
+    out += fmt::format("  largest {} {:.6g} in case '{}' at {}{}\n", what, value.value, cases[number].case_name,
+                       text(value.at), of_body(system, value.body));
+  }
+  return out;
+}
+
+CaseEnvelope envelope_of(std::span<const StaticSolution> cases) {
+  CaseEnvelope envelope;
+  for (std::size_t c = 1; c < cases.size(); ++c) {
+    if (cases[c].largest_displacement.value > cases[envelope.displacement].largest_displacement.value)
+      envelope.displacement = c;
+    if (cases[c].largest_von_mises.value > cases[envelope.von_mises].largest_von_mises.value) envelope.von_mises = c;
+  }
+  return envelope;
+}
+
 JsonObject static_json(const StaticSolution& s, const BodySystem& system) {
   std::vector<JsonObject> supports, loads, probes;
   for (std::size_t k = 0; k < s.result.supports.size(); ++k) {
@@ -156,7 +238,7 @@ JsonObject static_json(const StaticSolution& s, const BodySystem& system) {
   for (std::size_t k = 0; k < s.result.loads.size(); ++k) {
     const LoadResult& r = s.result.loads[k];
     loads.push_back(named(r.name, s.loads[k].region.body));
-    loads.back().add("kind", r.kind).add("area", r.area).add("centroid", r.centroid);
+    loads.back().add("kind", r.kind).add("factor", s.factors.at(k)).add("area", r.area).add("centroid", r.centroid);
     loads.back().add("length", s.loads[k].region.length).add("note", s.loads[k].region.note);
     loads.back().add("force", r.force).add("moment", r.moment);
     for (const auto& [load, motion] : s.motions)
@@ -174,12 +256,19 @@ JsonObject static_json(const StaticSolution& s, const BodySystem& system) {
   }
   JsonObject timings, report;
   for (const auto& [stage, seconds] : s.timings) timings.add(stage, seconds);
+  if (!s.case_name.empty()) report.add("case", s.case_name);
   report.add("unknowns", s.unknowns.size()).add("constraints", s.num_constraints).add("residual", s.residual);
   report.add("supports", supports).add("loads", loads).add("probes", probes);
   report.add("force_balance", s.force_balance).add("moment_balance", s.moment_balance);
   report.add("strain_energy", s.result.strain_energy).add("external_work", s.result.external_work);
   report.add("support_work", s.result.support_work).add("gap_work", s.result.gap_work);
   report.add("penalty_energy", s.result.penalty_energy).add("energy_defect", energy_defect(s.result));
+  if (!s.temperatures.empty()) {
+    report.add("temperatures", json_of(s.temperatures));
+    report.add("initial_strain_work", s.result.initial_strain_work);
+  }
+  if (!s.bolts.empty()) report.add("bolts", json_of(s.bolts));
+  if (!s.relief.empty()) report.add("inertia_relief", json_of(s.relief));
   if (const auto errors = relative_errors(s))
     report.add("error_estimate",
                JsonObject().add("strain_energy", errors->strain_energy).add("energy_norm", errors->energy_norm));

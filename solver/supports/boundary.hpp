@@ -63,6 +63,11 @@ SupportTerms apply_supports(const SolutionSpace& space, const ElasticMaterial& m
                             std::span<const Support> supports, StiffnessMatrix& K,
                             std::span<PreparedSupport* const> tied = {}, std::int64_t first_node = 0);
 
+/// What a material's initial strain ε₀ adds to the right-hand side through supports: -∫ (e·C ε₀ n)(e·v) dA, since the
+/// traction of Nitsche's method is that of σ = C (ε - ε₀). Zero with the other methods and without ε₀. (num_unknowns)
+Eigen::VectorXd initial_strain_load(const SolutionSpace& space, const ElasticMaterial& material,
+                                    const SupportTerms& terms);
+
 /// Warnings about what supports act on.
 std::vector<std::string> region_warnings(std::span<const RegionReport> supports);
 
@@ -74,11 +79,14 @@ struct Reaction {
   double work = 0; ///< ½ ∫ t · u_D dA: work of the support's traction on its prescribed displacement
   /// What a weakly imposed displacement leaves open, u - u_D along the fixed directions, takes part in the energies:
   /// strain energy + penalty_energy = external work + work + gap_work. Zero with multipliers.
-  double gap_work = 0;       ///< ∫ (σ n) · (u - u_D) dA with Nitsche's method, zero with the penalty method
+  /// ∫ (σ n) · (u - u_D) dA with Nitsche's method, zero with the penalty method; under an initial strain σ is the mean
+  /// of C (ε - ε₀) and C ε.
+  double gap_work = 0;
   double penalty_energy = 0; ///< ½ ∫ β |u - u_D|² dA
 };
 
-/// Reactions of all supports, each by its method's own consistent traction: they balance the loads to rounding.
+/// Reactions of all supports, each by its method's own consistent traction: they balance the loads to rounding. The
+/// material's initial strain counts.
 /// @param[in] u            (num_unknowns)
 /// @param[in] multipliers  (constraints), as solved with [K Cᵀ; C 0]
 std::vector<Reaction> reactions(const SolutionSpace& space, const ElasticMaterial& material, const SupportTerms& terms,

@@ -3,8 +3,10 @@
 #include "format/model/errors.hpp"
 #include "format/model/vec3.hpp"
 
+#include <algorithm>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <map>
 #include <numbers>
 
 namespace iga::solve {
@@ -267,6 +269,7 @@ std::vector<io::TableKeys> load_keys(const std::string& table) {
   keys.push_back({table,
                   {"name", "rotation", "rotate_axis_angle", "traction", "force", "moment", "remote", "spread",
                    "bearing", "body_force", "acceleration", "pressure"}});
+  keys.push_back({table + ".centrifugal", {"axis", "point", "speed", "rpm", "angular_acceleration"}});
   return keys;
 }
 
@@ -281,6 +284,27 @@ RegionChoice region_or_all(io::SettingsTable& table) {
 }
 
 namespace {
+
+// centrifugal = { axis, point, speed or rpm, angular_acceleration }
+void read_spin(io::SettingsTable& table, Load& load) {
+  io::SettingsTable spin = table.table("centrifugal");
+  const auto axis = vector3(spin, "axis"), point = vector3(spin, "point");
+  const auto speed = spin.number("speed"), acceleration = spin.number("angular_acceleration");
+  load.spin.rpm = spin.number("rpm");
+  if (!table.holds("centrifugal")) return;
+  load.kind = LoadKind::Centrifugal;
+  if (!axis) refuse(spin, "axis", "missing; give the direction of the axis as three numbers");
+  if (!(norm(*axis) > 0)) refuse(spin, "axis", "the axis has no length");
+  if (speed && load.spin.rpm) refuse(spin, "rpm", "given together with speed; give one of them");
+  if (!speed && !load.spin.rpm && !acceleration)
+    refuse(spin, "speed",
+           "missing; give speed in radians per time, rpm in turns per minute, or angular_acceleration in radians per "
+           "time²");
+  load.spin.axis = times(*axis, 1 / norm(*axis));
+  load.spin.point = point.value_or(Point3{});
+  load.spin.speed = speed.value_or(0);
+  load.spin.acceleration = acceleration.value_or(0);
+}
 
 void read_value(io::SettingsTable& table, Load& load) {
   constexpr std::array<std::pair<const char*, LoadKind>, 5> vectors{{{"traction", LoadKind::Traction},
@@ -300,12 +324,14 @@ void read_value(io::SettingsTable& table, Load& load) {
     load.pressure = *pressure;
     ++kinds;
   }
+  read_spin(table, load);
+  if (table.holds("centrifugal")) ++kinds;
   if (kinds == 0 && table.holds("moment")) return; // alone
   if (kinds != 1)
     refuse(table, "traction",
            fmt::format(
                "{}; give one of traction, pressure, force (with or without a moment), moment, bearing, body_force, "
-               "acceleration in each [[load]]",
+               "acceleration, centrifugal in each [[load]]",
                kinds == 0 ? "this load has no value" : "this load has more than one value"));
 }
 
@@ -348,9 +374,7 @@ Load read_load(io::SettingsTable& table, std::size_t number) {
                                             : "point";
     refuse(table, key, "only a force acts along a line or at a point; leave it out, or write force = [fx, fy, fz]");
   }
-  const bool on_surface = load.kind == LoadKind::Traction || load.kind == LoadKind::Pressure ||
-                          load.kind == LoadKind::TotalForce || load.kind == LoadKind::Remote ||
-                          load.kind == LoadKind::Bearing;
+  const bool on_surface = !load.place.given() && !acts_on_volume(load.kind);
   if (on_surface && !region.given)
     refuse(table, "region", fmt::format("missing; {}{}", how_to_choose, is_force ? or_a_place : ""));
   if (!on_surface && region.given)
@@ -362,6 +386,55 @@ std::vector<Support> read_supports(io::SettingsTable& root) {
   std::vector<Support> supports;
   for (io::SettingsTable& table : root.tables("support")) supports.push_back(read_support(table, supports.size() + 1));
   return supports;
+}
+
+namespace {
+
+constexpr const char* thermal = "temperature"; // stands for [temperature] among the loads of a case
+
+LoadCase read_case(io::SettingsTable& table, const StaticSettings& settings) {
+  LoadCase one;
+  one.name = name_or(table, "case", settings.cases.size() + 1);
+  one.prescribed = table.number("prescribed").value_or(1);
+  io::SettingsTable loads = table.table("loads");
+  for (const Load& load : settings.loads) {
+    one.factors.push_back(loads.number(load.name).value_or(0));
+    const auto same = [&](const Load& other) { return other.name == load.name; };
+    if (load.name == thermal && settings.temperature)
+      refuse(table, "loads", "a load is called \"temperature\", which stands for [temperature] here; rename the load");
+    if (std::count_if(settings.loads.begin(), settings.loads.end(), same) > 1)
+      refuse(table, "loads", fmt::format("several loads are called '{}'; give each a name of its own", load.name));
+  }
+  for (const Bolt& bolt : settings.bolts) {
+    one.bolts.push_back(loads.number(bolt.name).value_or(0));
+    if (bolt.name == thermal || std::any_of(settings.loads.begin(), settings.loads.end(),
+                                            [&](const Load& load) { return load.name == bolt.name; }))
+      refuse(table, "loads", fmt::format("bolt '{}' has the name of something else; rename it", bolt.name));
+  }
+  const auto factor = loads.number(thermal);
+  if (factor && !settings.temperature &&
+      std::none_of(settings.loads.begin(), settings.loads.end(), [](const Load& load) { return load.name == thermal; }))
+    refuse(loads, thermal, "the run has no [temperature]");
+  one.temperature = factor.value_or(0);
+  if (!table.holds("loads"))
+    refuse(table, "loads", "missing; give factors by the names of loads: loads = { gravity = 1.5, pressure = 1 }");
+  return one;
+}
+
+} // namespace
+
+std::vector<io::TableKeys> case_keys(const io::SettingsTable& root) {
+  std::map<std::string, std::string> named; // "load[2]" → its name
+  for (const io::SettingsEntry& entry : root.entries()) {
+    if (!entry.path.starts_with("load[") && !entry.path.starts_with("bolt[")) continue;
+    const std::string table = entry.path.substr(0, entry.path.find(']') + 1);
+    const std::string number = table.substr(5, table.size() - 6);
+    std::string& name = named.try_emplace(table, table.substr(0, 5).replace(4, 1, " ") + number).first->second;
+    if (entry.path == table + ".name" && entry.value.size() >= 2) name = entry.value.substr(1, entry.value.size() - 2);
+  }
+  io::TableKeys loads{"case.loads", {thermal}};
+  for (const auto& [table, name] : named) loads.keys.push_back(name);
+  return {{"case", {"name", "prescribed"}}, loads};
 }
 
 StaticSettings read_static_settings(io::SettingsTable& root) {
@@ -376,6 +449,16 @@ StaticSettings read_static_settings(io::SettingsTable& root) {
     probe.body = table.text("body").value_or("");
     probe.position = need_vector3(table, "position", "the position");
     settings.probes.push_back(std::move(probe));
+  }
+  settings.temperature = read_temperature(root);
+  settings.bolts = read_bolts(root);
+  settings.inertia_relief = root.boolean("inertia_relief").value_or(false);
+  for (io::SettingsTable& table : root.tables("case")) {
+    settings.cases.push_back(read_case(table, settings));
+    for (std::size_t k = 0; k + 1 < settings.cases.size(); ++k)
+      if (settings.cases[k].name == settings.cases.back().name)
+        refuse(table, "name",
+               fmt::format("there is another case '{}'; give each a name of its own", settings.cases[k].name));
   }
   return settings;
 }

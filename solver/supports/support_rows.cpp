@@ -77,6 +77,11 @@ SupportRows make_rows(const SolutionSpace& space, const ElasticMaterial& materia
   rows.prescribed = Eigen::Map<const Eigen::VectorXd>(prescribed.data(), m);
   if (trace) rows.trace.resize(m, 3 * nodes);
   if (traction) rows.traction.resize(m, 3 * nodes);
+  Strains initial;
+  if (traction && material.initial_strain) {
+    initial = material.initial_strain->at(batch.cell, batch.parameters);
+    rows.initial.resize(m);
+  }
   for (Eigen::Index k = 0; k < m; ++k) {
     const auto q = static_cast<Eigen::Index>(rows.point[static_cast<std::size_t>(k)]);
     const Point3& e = rows.direction[static_cast<std::size_t>(k)];
@@ -86,6 +91,7 @@ SupportRows make_rows(const SolutionSpace& space, const ElasticMaterial& materia
     if (!traction) continue;
     const Eigen::Matrix<double, 1, 6> s =
         direction * traction_of_stress(batch.normals[static_cast<std::size_t>(q)]) * material.C;
+    if (initial.rows() > 0) rows.initial[k] = s.dot(initial.row(q));
     for (Eigen::Index i = 0; i < nodes; ++i)
       rows.traction.block<1, 3>(k, 3 * i) =
           times_strain(s, shapes.gradients(q, 3 * i), shapes.gradients(q, 3 * i + 1), shapes.gradients(q, 3 * i + 2));

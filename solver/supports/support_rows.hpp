@@ -18,6 +18,7 @@ FixedDirections fixed_directions(const PreparedSupport& prepared, const Point3& 
 struct SupportRows {
   Eigen::MatrixXd trace;           ///< (m × 3 n): e · u
   Eigen::MatrixXd traction;        ///< (m × 3 n): e · σ(u) n, force/length³
+  Eigen::VectorXd initial;         ///< (m): e · (C ε₀) n, which the traction lacks; empty without an initial strain
   Eigen::VectorXd weight;          ///< (m): area, length²
   Eigen::VectorXd prescribed;      ///< (m): length
   std::vector<std::int32_t> point; ///< (m): number of the row's point in its batch

@@ -123,6 +123,10 @@ Reaction weak_reaction(const SolutionSpace& space, const ElasticMaterial& materi
           const Eigen::VectorXd stress = rows.traction * local;
           part.gap_work = rows.weight.dot(stress.cwiseProduct(gap));
           traction += stress;
+          if (rows.initial.size() > 0) {
+            part.gap_work -= 0.5 * rows.weight.dot(rows.initial.cwiseProduct(gap));
+            traction -= rows.initial;
+          }
         }
         for (std::size_t k = 0; k < rows.point.size(); ++k) {
           const auto row = static_cast<Eigen::Index>(k);
@@ -179,6 +183,27 @@ SupportTerms apply_supports(const SolutionSpace& space, const ElasticMaterial& m
       add_stiffness(space, material, prepared, first_node, K, terms.load);
   add_constraints(space, material, terms);
   return terms;
+}
+
+Eigen::VectorXd initial_strain_load(const SolutionSpace& space, const ElasticMaterial& material,
+                                    const SupportTerms& terms) {
+  Eigen::VectorXd load = Eigen::VectorXd::Zero(space.num_unknowns());
+  if (!material.initial_strain) return load;
+  for (const PreparedSupport& prepared : terms.prepared) {
+    if (prepared.support.method != SupportMethod::Nitsche) continue;
+    in_order(
+        prepared.region.cells.size(),
+        [&](std::size_t s) {
+          SpanShapes shapes;
+          const PointBatch batch = gather(space.model(), prepared.region, s);
+          const SupportRows rows = make_rows(space, material, prepared, batch, RowParts::Both, shapes);
+          return Eigen::VectorXd(-rows.trace.transpose() * rows.weight.cwiseProduct(rows.initial));
+        },
+        [&](std::size_t s, const Eigen::VectorXd& local) {
+          add_span(space.nodes(prepared.region.cells[s]), local, load);
+        });
+  }
+  return load;
 }
 
 std::vector<std::string> region_warnings(std::span<const RegionReport> supports) {

@@ -85,14 +85,18 @@ std::vector<PreparedSupport*> nitsche_sides(std::span<PreparedTie> ties, std::si
 /// all sides is there
 void add_ties(const BodySystem& system, std::span<const PreparedTie> ties, StiffnessMatrix& K);
 
+/// What the bodies' initial strains add to the right-hand side through Nitsche ties: -∫ {C ε₀ n}·[v] dA. (num_unknowns)
+Eigen::VectorXd initial_strain_load(const BodySystem& system, std::span<const PreparedTie> ties);
+
 /// What goes through a tie.
 struct TieForce {
   Point3 force{};            ///< of the second body on the first
   Point3 moment{};           ///< about the origin
-  double gap_work = 0;       ///< ∫ {t}·[u] dA, as Reaction has it
+  double gap_work = 0;       ///< ∫ {t}·[u] dA, as Reaction has it (initial strains too)
   double penalty_energy = 0; ///< ½ ∫ β |[u]|² dA
   double largest_jump = 0;   ///< largest |[u]| at the points, length
 };
+/// The bodies' initial strains count.
 std::vector<TieForce> tie_forces(const BodySystem& system, std::span<const PreparedTie> ties, const Eigen::VectorXd& u);
 
 } // namespace iga::solve

@@ -97,7 +97,8 @@ Weights weights_of(const BodySystem& system, const PreparedTie& tie, const TiePa
 struct PairRows {
   Eigen::MatrixXd jump;                    ///< (points × nodes): [u] of one component
   std::array<Eigen::MatrixXd, 3> traction; ///< (points × unknowns): components of {t}; empty for the penalty method
-  Eigen::VectorXd weight;                  ///< (points): area
+  Eigen::MatrixX3d initial; ///< (points × 3): {C ε₀ n}, which the traction lacks; zero where there is none
+  Eigen::VectorXd weight;   ///< (points): area
 };
 
 PairRows pair_rows(const BodySystem& system, const PreparedTie& tie, const TiePair& pair, const Weights& weights,
@@ -110,6 +111,7 @@ PairRows pair_rows(const BodySystem& system, const PreparedTie& tie, const TiePa
   rows.weight = Eigen::Map<const Eigen::VectorXd>(pair.weights.data() + first, m);
   rows.jump.resize(m, nodes[0] + nodes[1]);
   const bool nitsche = tie.surface.tie.method == TieMethod::Nitsche;
+  rows.initial.setZero(m, 3);
   if (nitsche)
     for (Eigen::MatrixXd& component : rows.traction) component.resize(m, 3 * (nodes[0] + nodes[1]));
   SpanShapes shapes;
@@ -127,9 +129,12 @@ PairRows pair_rows(const BodySystem& system, const PreparedTie& tie, const TiePa
     rows.jump.middleCols(column, nodes[s]) = (s == 0 ? 1 : -1) * shapes.values;
     if (!nitsche) continue;
     const SupportRows side = make_rows(*body.space, body.material, tie.side[s], batch, RowParts::Traction, shapes);
-    for (Index d = 0; d < 3; ++d)
+    const double share = s == 0 ? weights.first : 1 - weights.first;
+    for (Index d = 0; d < 3; ++d) {
       rows.traction[static_cast<std::size_t>(d)].middleCols(3 * column, 3 * nodes[s]) =
-          (s == 0 ? weights.first : 1 - weights.first) * side.traction(Eigen::seqN(d, m, 3), Eigen::all);
+          share * side.traction(Eigen::seqN(d, m, 3), Eigen::all);
+      if (side.initial.size() > 0) rows.initial.col(d) += share * side.initial(Eigen::seqN(d, m, 3));
+    }
   }
   return rows;
 }
@@ -233,10 +238,10 @@ TieForce force_of(const BodySystem& system, const PreparedTie& tie, const TiePai
         stress.col(d) = traction * unknowns;
     for (Index q = 0; q < jump.rows(); ++q) {
       const double w = rows.weight[q];
-      sum.gap_work += w * stress.row(q).dot(jump.row(q));
+      sum.gap_work += w * (stress.row(q) - 0.5 * rows.initial.row(q)).dot(jump.row(q));
       sum.penalty_energy += 0.5 * weights.beta * w * jump.row(q).squaredNorm();
       sum.largest_jump = std::max(sum.largest_jump, jump.row(q).norm());
-      const Eigen::RowVector3d t = w * (stress.row(q) - weights.beta * jump.row(q));
+      const Eigen::RowVector3d t = w * (stress.row(q) - rows.initial.row(q) - weights.beta * jump.row(q));
       const double* at = pair.parameters[0].data() + 3 * (first + static_cast<std::size_t>(q));
       const Point3 f{t[0], t[1], t[2]};
       sum.force = plus(sum.force, f);
@@ -247,6 +252,33 @@ TieForce force_of(const BodySystem& system, const PreparedTie& tie, const TiePai
 }
 
 } // namespace
+
+Eigen::VectorXd initial_strain_load(const BodySystem& system, std::span<const PreparedTie> ties) {
+  Eigen::VectorXd load = Eigen::VectorXd::Zero(system.num_unknowns());
+  for (const PreparedTie& tie : ties) {
+    const auto strained = [&](std::size_t b) { return system[b].material.initial_strain != nullptr; };
+    if (tie.surface.tie.method != TieMethod::Nitsche ||
+        !(strained(tie.surface.body[0]) || strained(tie.surface.body[1])))
+      continue;
+    in_order(
+        tie.surface.pairs.size(),
+        [&](std::size_t k) {
+          const TiePair& pair = tie.surface.pairs[k];
+          Eigen::MatrixX3d nodal;
+          for_chunks(system, tie, pair, weights_of(system, tie, pair), [&](std::size_t first, const PairRows& rows) {
+            if (first == 0) nodal.setZero(rows.jump.cols(), 3);
+            nodal -= rows.jump.transpose() * (rows.weight.asDiagonal() * rows.initial);
+          });
+          return nodal;
+        },
+        [&](std::size_t k, const Eigen::MatrixX3d& nodal) {
+          const auto nodes = nodes_of(system, tie.surface, tie.surface.pairs[k]);
+          for (std::size_t r = 0; r < nodes.size(); ++r)
+            load.segment<3>(3 * Index{nodes[r]}) += nodal.row(static_cast<Index>(r)).transpose();
+        });
+  }
+  return load;
+}
 
 std::vector<TieForce> tie_forces(const BodySystem& system, std::span<const PreparedTie> ties,
                                  const Eigen::VectorXd& u) {

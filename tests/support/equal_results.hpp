@@ -26,6 +26,8 @@ inline void expect_equal(const FieldSamples& a, const FieldSamples& b) {
   EXPECT_EQ(a.strain, b.strain);
   EXPECT_EQ(a.stress, b.stress);
   EXPECT_EQ(a.von_mises, b.von_mises);
+  EXPECT_EQ(a.temperature, b.temperature);
+  EXPECT_EQ(a.heat_flux, b.heat_flux);
 }
 
 inline void expect_equal(const EigenResult& a, const EigenResult& b) {
@@ -61,8 +63,37 @@ inline void expect_equal(const LoadResult& a, const LoadResult& b) {
   EXPECT_EQ(a.moment, b.moment);
 }
 
+inline void expect_equal(const CaseResult& a, const CaseResult& b) {
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.factors, b.factors);
+  EXPECT_EQ(a.displacement, b.displacement);
+  EXPECT_EQ(a.support_force, b.support_force);
+  EXPECT_EQ(a.strain_energy, b.strain_energy);
+  EXPECT_EQ(a.largest_displacement, b.largest_displacement);
+  EXPECT_EQ(a.largest_von_mises, b.largest_von_mises);
+}
+
+inline void expect_equal(const HeatResult& a, const HeatResult& b) {
+  EXPECT_EQ(a.temperature, b.temperature);
+  ASSERT_EQ(a.boundaries.size(), b.boundaries.size());
+  for (std::size_t i = 0; i < a.boundaries.size(); ++i) {
+    EXPECT_EQ(a.boundaries[i].name, b.boundaries[i].name);
+    EXPECT_EQ(a.boundaries[i].kind, b.boundaries[i].kind);
+    EXPECT_EQ(a.boundaries[i].area, b.boundaries[i].area);
+    EXPECT_EQ(a.boundaries[i].centroid, b.boundaries[i].centroid);
+    EXPECT_EQ(a.boundaries[i].temperature, b.boundaries[i].temperature);
+    EXPECT_EQ(a.boundaries[i].power, b.boundaries[i].power);
+  }
+  EXPECT_EQ(a.probes.names, b.probes.names);
+  EXPECT_EQ(a.probes.positions, b.probes.positions);
+  expect_equal(a.probes.fields, b.probes.fields);
+}
+
 inline void expect_equal(const StaticResult& a, const StaticResult& b) {
   EXPECT_EQ(a.strain_energy, b.strain_energy);
+  EXPECT_EQ(a.initial_strain_work, b.initial_strain_work);
+  ASSERT_EQ(a.cases.size(), b.cases.size());
+  for (std::size_t i = 0; i < a.cases.size(); ++i) expect_equal(a.cases[i], b.cases[i]);
   EXPECT_EQ(a.external_work, b.external_work);
   EXPECT_EQ(a.displacement, b.displacement);
   EXPECT_EQ(a.positions, b.positions);
@@ -127,6 +158,7 @@ inline void expect_equal(const Results& a, const Results& b) {
   };
   parts(a.eigen, b.eigen);
   parts(a.statics, b.statics);
+  parts(a.heat, b.heat);
   parts(a.time_series, b.time_series);
   parts(a.surface, b.surface);
   parts(a.fields, b.fields);

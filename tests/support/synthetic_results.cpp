@@ -160,6 +160,21 @@ Results make_static_results(const TrimmedModel& model) {
 Results make_full_results(const TrimmedModel& model) {
   Results r = make_eigen_results(model);
   r.statics = make_static(model);
+  r.statics->initial_strain_work = -0.125;
+  for (const double share : {1.0, 2.0}) {
+    CaseResult one{share == 1 ? "hot" : "cold",
+                   counted(3, 30 * share),
+                   {},
+                   {{share, 2, 3}, {4, share, 6}},
+                   7 * share,
+                   8 * share,
+                   9 * share};
+    one.displacement = counted(3 * model.functions.number.size(), 40 * share);
+    r.statics->cases.push_back(one);
+  }
+  r.heat = HeatResult{counted(model.functions.number.size(), 300),
+                      {{"oven", "convection", 2.5, {1, 2, 3}, 80, 5}, {"tap", "temperature", 1.5, {4, 5, 6}, 20, -5}},
+                      {{"core"}, {1, 2, 3}, {{}, {}, {}, {}, {55}, {7, 8, 9}}}};
   r.time_series = make_time_series();
   r.bodies = {{"Block", "box.h5", std::string(64, 'e'), "neo-hookean", "lumped", "linear", 0.01, 300, 7.8e-6},
               {"other", "box.h5", std::string(64, 'f'), "j2", "two-pass", "none", 0, 30, 7.8e-9}};
@@ -168,6 +183,8 @@ Results make_full_results(const TrimmedModel& model) {
   const std::size_t n = model.surface.mesh.vertices.size();
   r.surface->fields.stress = counted(9 * 6 * n, 10);
   r.surface->fields.strain = counted(9 * 6 * n, 20);
+  r.surface->fields.temperature = counted(9 * n, 50);
+  r.surface->fields.heat_flux = counted(9 * 3 * n, 60);
   return r;
 }
 

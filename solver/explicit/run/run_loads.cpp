@@ -21,6 +21,8 @@ void read_timed_loads(io::SettingsTable& root, ExplicitRun& run) {
     load.where = place_of(table, "name");
     load.body = body_by_name(table, "body", run);
     load.load.load = read_load(table, run.loads.size() + 1);
+    if (load.load.load.spin.rpm)
+      refuse(table, "centrifugal", "explicit runs know no unit of time; give speed in radians per time instead of rpm");
     note_patch(table, load.load.load.region, run);
     const bool smooth = table.boolean("smooth").value_or(false);
     if (auto factor = read_curve(table, "factor", smooth, run.inputs)) load.load.factor = std::move(*factor);
