@@ -22,7 +22,9 @@ def toml_value(value):
 
 
 def run_file(**keys):
-    """Text of a run file: numbers, words and lists become keys, dictionaries [tables], lists of dictionaries [[tables]]."""
+    """Text of a run file: numbers, words and lists become keys, dictionaries [tables], lists of dictionaries [[tables]]. Empty
+    lists are left out."""
+    keys = {key: value for key, value in keys.items() if not (isinstance(value, (list, tuple)) and len(value) == 0)}
     is_table = lambda value: isinstance(value, dict)  # noqa: E731
     is_list = lambda value: isinstance(value, (list, tuple)) and len(value) > 0 and all(map(is_table, value))  # noqa: E731
     lines = [f"{key} = {toml_value(value)}" for key, value in keys.items() if not is_table(value) and not is_list(value)]

@@ -4,13 +4,13 @@ import numpy as np
 import igatools
 
 
-def modes_like(report, file, points, wanted, least=0.9):
+def modes_like(report, file, points, wanted, least=0.9, body=None):
     """Frequencies of the elastic modes whose displacements at points (n, 3) are those wanted (n, 3) but for a factor: with a
-    correlation (u·w)² / (u·u w·w) above `least`."""
+    correlation (u·w)² / (u·u w·w) above `least`. body: the one of several in which the points lie."""
     results = igatools.Results(file)
     found = []
     for mode in range(report["rigid_modes"], len(report["frequencies"])):
-        u = results.displacement(points, mode=mode)
+        u = results.displacement(points, mode=mode, body=body)
         if correlation(u, wanted) > least:
             found.append(report["frequencies"][mode])
     return found
