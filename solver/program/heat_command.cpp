@@ -1,6 +1,7 @@
 // igasolve heat: steady temperatures, as report and results file.
 #include "format/io/run_tool.hpp"
 #include "format/model/errors.hpp"
+#include "format/model/vec3.hpp"
 #include "solver/analysis/advice.hpp"
 #include "solver/analysis/heat_analysis.hpp"
 #include "solver/analysis/prepared_system.hpp"
@@ -62,24 +63,32 @@ std::string json_report(const AnalysisRun& run, const BodySystem& system, const 
   return report.text();
 }
 
+// What is small against the unit is rounding.
+std::string text(Point3 v, double unit) {
+  for (double& c : v)
+    if (std::abs(c) <= 1e-12 * unit) c = 0;
+  return fmt::format("({:.6g})", fmt::join(v, ", "));
+}
+
 std::string text_report(const AnalysisRun& run, const BodySystem& system, const HeatSolution& s) {
   TextReport report;
   add_models(report, run, system);
   report.line("conductivity", "{:.6g}", *run.settings.material.conductivity);
+  const Box3 box = bounding_box(run.models[0].surface.mesh);
+  const double size = norm(minus(box.upper, box.lower)) + norm(box.upper);
   for (const HeatBoundaryResult& b : s.result.boundaries) {
-    report.row("heat '{}' ({}): {} {:.6g}, centroid ({:.6g})", b.name, b.kind, b.kind == "source" ? "volume" : "area",
-               b.area, fmt::join(b.centroid, ", "));
+    report.row("heat '{}' ({}): {} {:.6g}, centroid {}", b.name, b.kind, b.kind == "source" ? "volume" : "area", b.area,
+               text(b.centroid, size));
     report.row("  power into the body {:.8g}, mean temperature {:.8g}", b.power, b.temperature);
   }
   report.row("balance of heat {:.2g}, relative residual {:.2g}", s.balance, s.residual);
-  report.row("temperature {:.8g} at ({:.6g}) … {:.8g} at ({:.6g})", s.least, fmt::join(s.least_at, ", "), s.most,
-             fmt::join(s.most_at, ", "));
+  report.row("temperature {:.8g} at {} … {:.8g} at {}", s.least, text(s.least_at, size), s.most, text(s.most_at, size));
   const ProbeResult& p = s.result.probes;
   for (std::size_t k = 0; k < p.names.size(); ++k) {
-    const auto three = [&](const std::vector<double>& v) { return std::span(v).subspan(3 * k, 3); };
-    report.row("probe '{}' at ({:.6g}): temperature {:.8g}, flux ({:.6g})", p.names[k],
-               fmt::join(three(p.positions), ", "), p.fields.temperature[k],
-               fmt::join(three(p.fields.heat_flux), ", "));
+    const auto three = [&](const std::vector<double>& v) { return Point3{v[3 * k], v[3 * k + 1], v[3 * k + 2]}; };
+    const Point3 flux = three(p.fields.heat_flux);
+    report.row("probe '{}' at {}: temperature {:.8g}, flux {}", p.names[k], text(three(p.positions), size),
+               p.fields.temperature[k], text(flux, norm(flux)));
   }
   add_end(report, run);
   return report.text();

@@ -29,6 +29,9 @@ double force_unit(const StaticSolution& s) {
   double unit = 0;
   for (const SupportResult& support : s.result.supports) unit = std::max(unit, norm(support.force));
   for (const LoadResult& load : s.result.loads) unit = std::max(unit, norm(load.force));
+  // Thermal stress may hold itself: then reactions are rounding of it.
+  for (const SupportResult& support : s.result.supports)
+    if (!s.temperatures.empty()) unit = std::max(unit, s.largest_von_mises.value * support.area);
   return unit;
 }
 

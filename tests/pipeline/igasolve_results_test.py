@@ -193,7 +193,7 @@ class IgasolveResults(unittest.TestCase):
 
     def test_tables_of_modes(self):
         results, folder = iga_results.read(self.modes), self.export(self.modes)
-        self.assertEqual(sorted(file.name for file in folder.iterdir()), ["frequencies.csv", "surface.csv", "triangles.csv"])
+        self.assertEqual(sorted(file.name for file in folder.iterdir()), ["frequencies.csv", "participation.csv", "surface.csv", "triangles.csv"])
         head, units, rows = self.table(folder / "frequencies.csv")
         self.assertEqual(head, ["mode", "frequency", "omega_squared", "kind", "residual"])
         self.assertEqual(units[1:3], ["1/time", "1/time^2"])
