@@ -146,6 +146,40 @@ class Loads(unittest.TestCase):
         for words in ("case 'hot'", "temperature (heat.h5): 20 … 100", "load 'pull' (total force) × 2", "all cases:"):
             self.assertIn(words, text)
 
+    def test_temperatures_from_points(self):
+        """Linear between points as from conduction; points in another unit are refused."""
+        grid = np.stack(np.meshgrid(np.linspace(0, 40, 9), *2 * [np.linspace(0, 10, 3)], indexing="ij"), -1).reshape(-1, 3)
+        rows = "".join(f"{x:g}, {y:g}, {z:g}, {100 - 2 * x:g}\n" for x, y, z in grid)
+        (self.path / "points.csv").write_text("# measured\nx, y, z, T\n" + rows)
+        by_points = STATIC.replace('results = "heat.h5"', 'file = "points.csv"')
+        found, expected = (self.solve("static", text)["cases"][0] for text in (by_points, STATIC))
+        np.testing.assert_allclose(found["probes"][0]["displacement"], expected["probes"][0]["displacement"], atol=1e-10)
+        self.assertEqual(found["temperatures"][0]["source"], "81 points of points.csv")
+        (self.path / "far.csv").write_text("".join(f"{x / 1000:g} {y / 1000:g} {z / 1000:g} 20\n" for x, y, z in grid))
+        self.expect_refused("static", STATIC.replace('results = "heat.h5"', 'file = "far.csv"'), "far.csv", "length unit")
+        (self.path / "bad.csv").write_text("0, 0, 0, 20\n1, 2, 3\n")
+        self.expect_refused("static", STATIC.replace('results = "heat.h5"', 'file = "bad.csv"'), "bad.csv:2", "four finite numbers")
+
+    def test_a_bolt_between_walls(self):
+        bolt = HEAT[:HEAT.index("[[heat]]")] + '''
+[[support]]
+name = "left"
+normal = { direction = [-1, 0, 0] }
+[[support]]
+name = "right"
+normal = { direction = [1, 0, 0] }
+[[bolt]]
+name = "shank"
+plane = { point = [20, 5, 5], normal = [1, 0, 0] }
+force = 5000
+'''
+        found = self.solve("static", bolt)["statics"]
+        self.assertAlmostEqual(found["bolts"][0]["force"], 5000, places=5)
+        self.assertAlmostEqual(found["bolts"][0]["section"], 100, places=6)
+        self.assertAlmostEqual(found["supports"][0]["force"][0], -5000, delta=1)
+        self.expect_refused("static", bolt.replace("[20, 5, 5]", "[20, 5, 5, 1]"), "run.toml")
+        self.expect_refused("static", bolt.replace("force = 5000", ""), "force", "missing")
+
     def test_mistakes(self):
         self.expect_refused("heat", HEAT.replace('material = "steel"', ""), "conductivity")
         self.expect_refused("heat", HEAT.replace("temperature = 100", "temperatur = 100"), "did you mean", "run.toml:6")
