@@ -231,6 +231,29 @@ def pipe_hoop(r, a=50.0, b=100.0, E=200e3, nu=0.3, alpha=12e-6):
     return E * alpha * 180 / (2 * (1 - nu) * log) * (1 - np.log(b / r) - a**2 / (b**2 - a**2) * (1 + b**2 / r**2) * log)
 
 
+# ------------------------------------------------------------------------------------------------------------ a bolt
+
+SHANK, PLATES, PRELOAD, PULL = 100.0, 200.0, 5000.0, 2000.0  # mm², N
+
+
+@case(id="bolted_joint", title="Tightened bolt between two clamped bars", quick=True,
+      geometry="Bars 60 × 10 × 10 mm side by side, clamped at one end, their other ends one rigid face: the one in the middle is tightened to "
+               "5000 N, then the face is pulled with 2000 N", material="E = 210 GPa, ν = 0",
+      source="Springs side by side: the bolt takes 100 / 300 of the pull (VDI 2230's load factor)",
+      unit={"tension of the bolt": "N", "stress in the bars": "MPa"}, grids=(8.0, 5.0, 3.5),
+      exact=lambda: {"tension of the bolt": PRELOAD + PULL * SHANK / (SHANK + PLATES),
+                     "stress in the bars": -PRELOAD / PLATES + PULL / (SHANK + PLATES)},
+      tolerance=1e-4)
+def bolted_joint(run, span):
+    run.model(np.concatenate([parts.box((0, y - 5, -5), (60, y + 5, 5)) for y in (0, -15, 15)]), span)
+    report = run.solve("static", {
+        "material": {"E": 210e3, "nu": 0.0}, "support": [{"name": "clamp", "plane": {"point": [0, 0, 0], "normal": [1, 0, 0]}}],
+        "bolt": [{"name": "bolt", "plane": {"point": [30, 0, 0], "normal": [1, 0, 0]}, "force": PRELOAD, "box": [0, -7, -7, 60, 7, 7]}],
+        "load": [{"name": "pull", "force": [PULL, 0, 0], "moment": [0, 0, 0], "spread": "rigid", "plane": {"point": [60, 0, 0], "normal": [1, 0, 0]}}],
+        "probe": [{"name": "bar", "position": [31, 16, 1]}]})
+    return {"tension of the bolt": report["statics"]["bolts"][0]["force"], "stress in the bars": probe(report, "bar")["stress"][0]}
+
+
 # ----------------------------------------------------------------------------------------------------- inertia relief
 
 @case(id="pulled_free_bar", title="Free bar pulled at one end", quick=True,
