@@ -20,6 +20,8 @@ class Case:
     grids       what the function is called with, coarse to fine; a number is the span size, of a tuple the first one is
     unit        one, or {quantity: unit}
     tolerance   claimed relative error at the finest grid; number, or {quantity: number}
+    known       relative error of the exact value itself, where it is published with few digits or a result of others; comparisons with
+                CalculiX take smaller errors as equal
     scale       what errors are relative to; default: the exact value; needed where that is zero
     calculix    function(run) -> values as those of `function`, by finite elements; None: no comparison
     """
@@ -36,6 +38,7 @@ class Case:
     quick: bool = False
     calculix: Callable | None = None
     calculix_mesh: str = ""
+    known: float = 0.0
     scale: float | None = None
     notes: str = ""
     topic: str = ""

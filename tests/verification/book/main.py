@@ -49,7 +49,8 @@ class Outcome:
         return float(np.log(errors[0] / errors[1]) / np.log(sizes[0] / sizes[1]))
 
     def beside_calculix(self, quantity):
-        """Our error over CalculiX's at the number of unknowns nearest to its own, if within a factor of two; else None."""
+        """Our error over CalculiX's at the number of unknowns nearest to its own, if within a factor of two; else None. Errors smaller
+        than that of the exact value count as that."""
         if self.calculix is None:
             return None
         near = [found for found in self.grids if found is not None
@@ -57,8 +58,8 @@ class Outcome:
         if not near:
             return None
         ours = min(near, key=lambda found: abs(np.log(found.unknowns / self.calculix.unknowns)))
-        theirs = abs(self.case.error(quantity, self.calculix.values[quantity]))
-        return abs(self.case.error(quantity, ours.values[quantity])) / theirs if theirs > 0 else None
+        found, theirs = (max(self.case.known, abs(self.case.error(quantity, run.values[quantity]))) for run in (ours, self.calculix))
+        return found / theirs if theirs > 0 else None
 
 
 @dataclass

@@ -120,10 +120,10 @@ def write_readme(topics, outcomes, path=README):
 STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; color: #1d2733; max-width: 1500px; margin: 2em auto; padding: 0 1.5em; }
 h1 { font-size: 1.7em; } h2 { margin-top: 2.2em; border-bottom: 2px solid #d5dde6; } h3 { margin: 1.6em 0 .3em; }
-table { border-collapse: collapse; font-size: 13px; margin: .6em 0; } td, th { padding: .25em .55em; text-align: right; white-space: nowrap; }
+table { border-collapse: collapse; font-size: 12.5px; margin: .6em 0; } td, th { padding: .25em .4em; text-align: right; white-space: nowrap; }
 th { background: #eef2f6; font-weight: 600; } td:first-child, th:first-child { text-align: left; } tr + tr td { border-top: 1px solid #e3e8ee; }
 .unknowns td { color: #66727f; } .missed td, .fault { background: #fde7e4; } .worse { color: #b3541e; } .better { color: #1c7a3e; }
-.case { display: grid; grid-template-columns: 230px minmax(0, 1fr); gap: 0 1.4em; margin-bottom: 1.6em; } .case img { width: 230px; }
+.case { display: grid; grid-template-columns: 200px minmax(0, 1fr); gap: 0 1em; margin-bottom: 1.6em; } .case img { width: 200px; }
 .case > div { overflow-x: auto; } .case p { margin: .25em 0; } .small { color: #55606c; font-size: 13px; } code { background: #eef2f6; padding: 0 .25em; }
 """
 

@@ -67,7 +67,8 @@ def fv52_in_bricks(run):
 @case(id="fv52", title="NAFEMS FV52: simply supported solid plate",
       geometry="Plate 10 × 10 × 1 m whose four lower edges are held vertically; three rigid motions", material=STEEL_WORDS,
       source="NAFEMS, Selected Benchmarks for Natural Frequency Analysis (1987), FV52; its values are those of plate theory", unit="Hz",
-      exact=FV52, grids=(2.1, 1.4, 1.0), tolerance=0.06, calculix=fv52_in_bricks, calculix_mesh="C3D20, 10 × 10 × 1",
+      exact=FV52, grids=(2.1, 1.4, 1.0),
+      tolerance={**dict.fromkeys(FV52, 0.06), "mode 8": 2e-4}, calculix=fv52_in_bricks, calculix_mesh="C3D20, 10 × 10 × 1",
       notes="A line of support cuts into a solid: its bending frequencies have no limit, they fall like the logarithm of the span, "
             "with finite elements as with splines (43.2 Hz at spans of 0.5 m). The benchmark's values are not theirs, hence the claim. "
             "Mode 8 moves in the plane and does not feel the lines. Exact for the solid: the case before")

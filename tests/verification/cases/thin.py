@@ -76,7 +76,8 @@ def fv32_in_bricks(run):
 @case(id="fv32", title="NAFEMS FV32: cantilevered tapered membrane", quick=True,
       geometry="Membrane 10 m long, 5 m wide at the clamped end, 1 m at the other, 0.05 m thick, upper half of its thickness", material=STEEL_WORDS,
       source="NAFEMS, Selected Benchmarks for Natural Frequency Analysis (1987), FV32", unit="Hz", exact=FV32, grids=(1.1, 0.7, 0.45),
-      tolerance=4e-4, calculix=fv32_in_bricks, calculix_mesh="C3D20, 16 × 6 × 1")
+      tolerance=4e-4, known=5e-4, calculix=fv32_in_bricks, calculix_mesh="C3D20, 16 × 6 × 1",
+      notes="The published values are not quite the limit: 48 × 20 bricks give -0.011, -0.013, -0.006, -0.024, -0.047 and -0.008 %")
 def fv32(run, span):
     run.model(parts.block(tapered, (1, 1, 1)), (span, span, 0.05))
     root = {"name": "root", "fixed": "xy", "plane": {"point": [0, 0, 0], "normal": [1, 0, 0]}}

@@ -105,15 +105,15 @@ def sphere_in_tetrahedra(run):
       geometry="Eighth of a sphere, radii 50 and 100 mm, between planes of symmetry; 100 MPa inside", material=MATERIAL,
       source="Lamé; Timoshenko & Goodier, Theory of Elasticity, 3rd ed. (1970), art. 136",
       unit={"u at the bore": "mm", "u outside": "mm", "hoop stress at the bore": "MPa", "hoop stress on its edge": "MPa"},
-      exact=lame_sphere, grids=(18.0, 12.5, 8.5),
-      tolerance={"u at the bore": 2e-3, "u outside": 1e-3, "hoop stress at the bore": 0.04, "hoop stress on its edge": 0.08},
+      exact=lame_sphere, grids=(18.0, 12.5, 9.0),
+      tolerance={"u at the bore": 2e-3, "u outside": 1e-3, "hoop stress at the bore": 0.02, "hoop stress on its edge": 0.04},
       calculix=sphere_in_tetrahedra, calculix_mesh="C3D10 of 17 mm, mid-edge nodes on the sphere, stresses averaged at nodes",
-      notes="Stress at the bore: in the middle of its surface; on its edge, where the bore meets two planes of symmetry, cut spans are "
-            "held weakly from two sides and stresses scatter most")
+      notes="Splines of degree 3; with degree 2 the stresses are 3 and 8 % off at spans of 8.5 mm. On the edge, where the bore meets two "
+            "planes of symmetry, cut spans are held weakly from two sides and stresses scatter most")
 def hollow_sphere(run, span):
-    sphere = parts.octant(INNER, OUTER, 20)
+    sphere = parts.octant(INNER, OUTER, 28)
     run.surface("hollow", parts.where(sphere, on_hollow))
-    run.model(sphere, span)
+    run.model(sphere, span, 3)
     places = {"x inside": INNER * AXES[0], "x outside": OUTER * AXES[0], "middle inside": INNER * MIDDLE}
     report = run.solve("static", {
         "material": {"E": E, "nu": NU}, "support": [plane(name, AXES[d]) for d, name in enumerate("xyz")],
