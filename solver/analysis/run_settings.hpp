@@ -1,6 +1,7 @@
 // What an analysis is asked to do: flags and run file (TOML) as typed, then one complete, checked struct.
 #pragma once
 
+#include "solver/analysis/buckling_settings.hpp"
 #include "solver/analysis/eigen_settings.hpp"
 #include "solver/analysis/heat_settings.hpp"
 #include "solver/analysis/response_settings.hpp"
@@ -22,7 +23,7 @@ class Progress;
 
 namespace iga::solve {
 
-enum class Analysis { Eigen, Timestep, Static, Heat, Harmonic, Random, Transient };
+enum class Analysis { Eigen, Timestep, Static, Heat, Buckling, Harmonic, Random, Transient };
 
 /// Frequency response, random vibration and transients by modal superposition.
 inline bool is_response(Analysis analysis) {
@@ -46,6 +47,13 @@ struct TypedBody {
   std::optional<double> light_threshold;
 };
 
+/// [buckling], as typed.
+struct TypedBuckling {
+  std::optional<std::int64_t> factors;
+  std::optional<bool> negative, sturm;
+  std::vector<std::string> constant; ///< run files only; each of them is the name of a load
+};
+
 /// Settings as typed: nothing is filled in yet. Names are those of the flags with underscores.
 struct TypedRun {
   std::optional<std::filesystem::path> model, output;
@@ -57,7 +65,8 @@ struct TypedRun {
   const UnitSystem* unit = nullptr; ///< by complete_materials: that of the numbers; null where nobody asks for one
   std::optional<std::int64_t> modes, subdivide;
   std::optional<double> modes_below; ///< cycles per time
-  std::optional<bool> largest, sturm, errors, viewer;
+  std::optional<bool> largest, sturm, errors, prestress, viewer;
+  TypedBuckling buckling;
   std::vector<TypedBody> bodies;       ///< run files only
   std::vector<Tie> ties;               ///< run files only
   std::vector<Support> supports;       ///< run files only
@@ -90,6 +99,7 @@ struct RunSettings {
   std::vector<Tie> ties;
   std::vector<Support> supports;
   EigenSettings eigen;
+  BucklingSettings buckling;
   StaticSettings statics;
   std::vector<HeatBoundary> heat = {};
   ResponseSettings response = {};

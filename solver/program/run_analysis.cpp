@@ -94,6 +94,8 @@ int run_analysis(const AnalysisCommand& command) {
       return random_command(run);
     case Analysis::Transient:
       return transient_command(run);
+    case Analysis::Buckling:
+      return buckling_command(run);
     default:
       return static_command(run);
     }

@@ -91,5 +91,6 @@ int heat_command(AnalysisRun& run);
 int harmonic_command(AnalysisRun& run);
 int random_command(AnalysisRun& run);
 int transient_command(AnalysisRun& run);
+int buckling_command(AnalysisRun& run);
 
 } // namespace iga::solve
