@@ -42,8 +42,7 @@ struct StressReport {
 /// Recovers the stress of every body of one load case: at its surface, into `results` where they have fields there, at
 /// the probes of the solution, and along the run's lines. With raw_stress only the largest values are looked for.
 /// @throws InputError for lines that leave the part
-StressReport recover_stress(const AnalysisRun& run, const BodySystem& system, StaticSolution& solution,
-                            Results* results);
+StressReport recover_stress(const AnalysisRun& run, StaticSolution& solution, Results* results);
 
 std::string stress_text(const StressReport& report, const StaticSolution& solution, const BodySystem& system);
 io::JsonObject stress_json(const StressReport& report, const StaticSolution& solution, const BodySystem& system);
