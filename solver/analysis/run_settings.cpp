@@ -92,8 +92,8 @@ ElasticMaterial material_of(const TypedMaterial& typed, const MaterialPlace& pla
 }
 
 MaterialWords words_of(const TypedMaterial& material, const UnitSystem* units) {
-  return {material.found.name, material.found.source, material.E, material.nu, material.rho, units,
-          material.expansion,  material.conductivity};
+  return {material.found.name, material.found.source, material.E,    material.nu, material.rho, units,
+          material.expansion,  material.conductivity, material.yield};
 }
 
 void complete(TypedMaterial& material, const TypedRun& typed) {
@@ -104,6 +104,7 @@ void complete(TypedMaterial& material, const TypedRun& typed) {
   if (!material.E) material.E = material.found.E / typed.unit->pascal();
   if (!material.nu) material.nu = material.found.nu;
   if (!material.rho) material.rho = material.found.rho / typed.unit->kg_per_m3();
+  if (!material.yield && material.found.yield) material.yield = *material.found.yield / typed.unit->pascal();
   if (!material.expansion) material.expansion = material.found.expansion;
   if (!material.conductivity && material.found.conductivity)
     material.conductivity = *material.found.conductivity / typed.unit->watt_per_m_k();
@@ -215,18 +216,18 @@ std::vector<io::TableKeys> run_keys() {
       {"",
        {"model", "output", "units", "unit_system", "material", "materials", "mass", "light_functions",
         "light_threshold", "inertia_relief"}},
-      {"material", {"name", "E", "nu", "rho", "C", "expansion", "conductivity"}},
+      {"material", {"name", "E", "nu", "rho", "C", "yield", "expansion", "conductivity"}},
       {"bodies", {"light_functions", "light_threshold"}},
-      {"bodies.material", {"law", "name", "E", "nu", "rho", "C", "expansion", "conductivity"}},
+      {"bodies.material", {"law", "name", "E", "nu", "rho", "C", "yield", "expansion", "conductivity"}},
       {"eigen", {"modes", "modes_below", "largest", "sturm", "errors", "prestress"}},
       {"buckling", {"factors", "negative", "constant", "sturm"}},
-      {"results", {"subdivide", "viewer"}},
+      {"results", {"subdivide", "viewer", "stress"}},
       {"load", {"body"}},
       {"support",
        {"name", "body", "fixed", "rotation", "rotate_axis_angle", "value", "gradient", "method", "penalty_factor"}},
       {"probe", {"name", "body", "position"}}};
   for (const auto& more : {load_keys("load"), region_keys("support"), place_keys("support"), body_file_keys(),
-                           tie_keys(), response_keys()})
+                           tie_keys(), response_keys(), stress_line_keys()})
     keys.insert(keys.end(), more.begin(), more.end());
   return keys;
 }
@@ -260,6 +261,9 @@ TypedMaterial read_material(io::SettingsTable& table) {
   material.E = table.number("E");
   material.nu = table.number("nu");
   material.rho = table.number("rho");
+  material.yield = table.number("yield");
+  if (material.yield && !(*material.yield > 0))
+    refuse(table, "yield", fmt::format("found {}, expected a stress above 0", *material.yield));
   material.C = table.numbers("C", {21, 36});
   material.expansion = table.number("expansion");
   material.conductivity = table.number("conductivity");
@@ -338,11 +342,15 @@ TypedRun read_run_file(const std::filesystem::path& file) {
   io::SettingsTable results = root.table("results");
   t.subdivide = results.integer("subdivide");
   t.viewer = results.boolean("viewer");
+  t.stress = results.text("stress");
+  if (t.stress && *t.stress != "recovered" && *t.stress != "raw")
+    refuse(results, "stress", fmt::format("found \"{}\", expected \"recovered\" or \"raw\"", *t.stress));
   t.supports = read_supports(root);
   t.statics = read_static_settings(root);
   t.heat = read_heat(root);
   t.response = read_response_settings(root);
   t.buckling = read_buckling(root.table("buckling"), t.statics);
+  t.lines = read_stress_lines(root);
   root.refuse_unknown_keys();
   return t;
 }
@@ -432,6 +440,8 @@ RunSettings validate_run(const TypedRun& typed, Analysis analysis) {
   resolve_speeds(typed, run.statics.loads);
   if (analysis == Analysis::Static) refuse_variations(typed);
   if (is_response(analysis)) run.response = response_of(typed);
+  run.lines = typed.lines;
+  run.raw_stress = typed.stress == "raw";
   if (typed.modes) run.eigen.modes = whole("modes", *typed.modes, 1, 1'000'000);
   if (typed.modes_below && !(*typed.modes_below > 0))
     throw InputError(fmt::format("modes_below: found {:g}, expected a frequency above 0", *typed.modes_below));

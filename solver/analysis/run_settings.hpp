@@ -10,6 +10,7 @@
 #include "solver/mechanics/material_table.hpp"
 #include "solver/space/body_tables.hpp"
 #include "solver/space/solution_space.hpp"
+#include "solver/stress/stress_lines.hpp"
 #include "solver/supports/boundary.hpp"
 #include "solver/supports/read_supports.hpp"
 #include "solver/ties/tie.hpp"
@@ -33,7 +34,7 @@ inline bool is_response(Analysis analysis) {
 /// [material], or the material of one of [[bodies]], as typed.
 struct TypedMaterial {
   std::optional<std::string> name; ///< numbers beside it stand in place of its own
-  std::optional<double> E, nu, rho;
+  std::optional<double> E, nu, rho, yield;
   std::optional<std::vector<double>> C; ///< 36 numbers row by row, or the 21 of the upper triangle
   std::optional<double> expansion = {}, conductivity = {};
   NamedMaterial found = {}; ///< by complete_materials: the material of that name
@@ -73,6 +74,8 @@ struct TypedRun {
   StaticSettings statics;              ///< run files only
   std::vector<HeatBoundary> heat = {}; ///< run files only
   ResponseSettings response = {};      ///< run files only
+  std::vector<StressLine> lines = {};  ///< run files only
+  std::optional<std::string> stress;   ///< recovered | raw
 };
 
 /// One body of a run.
@@ -103,6 +106,8 @@ struct RunSettings {
   StaticSettings statics;
   std::vector<HeatBoundary> heat = {};
   ResponseSettings response = {};
+  std::vector<StressLine> lines;
+  bool raw_stress = false;          ///< stress as the displacements have it, where it is not recovered
   int subdivide = 2;                ///< surface output: longest edge at most span / subdivide
   bool viewer = true;               ///< files for ParaView beside the results file
   io::Progress* progress = nullptr; ///< where stages show themselves; null: nowhere

@@ -102,7 +102,8 @@ NamedMaterial find_material(const std::string& name, const std::optional<std::fi
                                  need_number(table, "nu"),
                                  need_number(table, "rho"),
                                  table.number("expansion"),
-                                 table.number("conductivity")};
+                                 table.number("conductivity"),
+                                 table.number("yield")};
     if (material.conductivity && !(*material.conductivity > 0))
       throw InputError(
           fmt::format("{}: found {:g}, expected W/(m K) above 0", table.where("conductivity"), *material.conductivity));
@@ -117,6 +118,9 @@ NamedMaterial find_material(const std::string& name, const std::optional<std::fi
     } catch (const InputError& error) {
       throw InputError(fmt::format("{}: {}", table.where("E"), error.what()));
     }
+    if (material.yield && !(*material.yield > 0 && *material.yield < material.E))
+      throw InputError(fmt::format("{}: found {}, expected a stress in Pa above 0 and below E", table.where("yield"),
+                                   *material.yield));
     if (const auto warning = unit_warning("m", material.E, material.rho))
       throw InputError(fmt::format("{}: E is in Pa and rho in kg/m³ here; {}", table.where("E"), *warning));
     if (std::any_of(names.begin(), names.end(), [&](const auto& other) { return lower(other) == lower(name); }))
@@ -145,6 +149,8 @@ std::string material_text(const MaterialWords& words, double volume) {
   if (!words.E && !words.conductivity) numbers.emplace_back("stiffness matrix C as given");
   if (words.rho)
     numbers.push_back(fmt::format("rho = {:.6g}{}", *words.rho, unit(words.units ? words.units->density : "")));
+  if (words.yield)
+    numbers.push_back(fmt::format("yield = {:.6g}{}", *words.yield, unit(words.units ? words.units->stress : "")));
   std::string text =
       fmt::format("{}{}{}{}", words.name, words.name.empty() ? "" : ": ", fmt::join(numbers, ", "),
                   words.units ? fmt::format("; units {}", words.units->name) : "; in the units of model and run file");

@@ -35,6 +35,7 @@ struct NamedMaterial {
   std::string source; ///< where the numbers are from; may be empty
   double E = 0, nu = 0, rho = 0;
   std::optional<double> expansion = {}, conductivity = {};
+  std::optional<double> yield = {}; ///< yield or 0.2 % proof strength, Pa
 };
 
 /// Of the program's own table (samples/materials.toml), or of a file in the same form; the case of letters does not
@@ -48,6 +49,7 @@ struct MaterialWords {
   std::optional<double> E, nu, rho;  ///< as the analysis has them; no E and nu of anisotropic materials
   const UnitSystem* units = nullptr; ///< null: those of the model, which only its maker knows
   std::optional<double> expansion = {}, conductivity = {};
+  std::optional<double> yield = {}; ///< strength that safety factors are taken against, force/length²
 };
 /// "steel: E = 210000 MPa, nu = 0.3, rho = 7.85e-09 t/mm³ (EN 1993-1-1)", and where units and rho are known, in a
 /// second line, "the part has a mass of 1.234 kg".

@@ -33,9 +33,10 @@ memory is exit code 2 and says so.)";
 const char* const analysis_footer =
     R"(Any consistent set of units: E in force/length², rho in mass/length³, frequencies in cycles per time. The run file
 (.toml) holds the flags' names with underscores: model, output, units, unit_system, material, materials, mass,
-light_functions, light_threshold; [material] name, E, nu, rho or C, expansion, conductivity; [eigen] modes or modes_below,
-largest, sturm, errors, prestress; [buckling] factors, negative, constant, sturm; [results] subdivide, viewer; [[support]],
-[[load]], [[probe]]. Loads of the whole part: body_force, acceleration, centrifugal = { axis, point, speed or rpm, angular_acceleration }. [[case]] name, loads, prescribed; [temperature]
+light_functions, light_threshold; [material] name, E, nu, rho or C, yield, expansion, conductivity; [eigen] modes or
+modes_below, largest, sturm, errors, prestress; [buckling] factors, negative, constant, sturm; [results] subdivide, viewer,
+stress = "recovered" or "raw"; [[support]], [[load]], [[probe]]; [[line]] name, body, from, to: linearised stress through a wall. Loads of the whole part: body_force,
+acceleration, centrifugal = { axis, point, speed or rpm, angular_acceleration }. [[case]] name, loads, prescribed; [temperature]
 uniform, formula, file or results, reference; [[bolt]] plane, force, box, length; inertia_relief; [[heat]] temperature, flux,
 power, convection or source.
 Several bodies, instead of model: [[bodies]] name, model, material, place, light_functions, light_threshold; [[ties]] name,

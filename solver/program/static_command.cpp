@@ -5,6 +5,7 @@
 #include "solver/analysis/prepared_system.hpp"
 #include "solver/report/analysis_report.hpp"
 #include "solver/report/static_report.hpp"
+#include "solver/report/stress_report.hpp"
 
 namespace iga::solve {
 
@@ -35,10 +36,8 @@ CaseResult case_result(const StaticSolution& solution) {
 }
 
 // Step by step, each case with the stresses of its own initial strains.
-void add_case(const AnalysisRun& run, const StaticSolution& solution, double step, Results& all) {
-  Results one;
-  add_fields(run, solution.system, solution.unknowns, {step}, Fields::All, one);
-  if (step == 1) {
+void add_case(Results one, Results& all) {
+  if (!all.surface && all.parts.empty()) {
     all.active_functions = std::move(one.active_functions);
     all.surface = std::move(one.surface);
     all.parts = std::move(one.parts);
@@ -51,9 +50,22 @@ void add_case(const AnalysisRun& run, const StaticSolution& solution, double ste
   }
 }
 
-Results static_results(const AnalysisRun& run, const BodySystem& system, std::vector<StaticSolution>& solutions) {
-  Results results = results_head(run, "static", system);
-  for (std::size_t c = 0; c < solutions.size(); ++c) add_case(run, solutions[c], static_cast<double>(c + 1), results);
+// Of all cases, with their fields for the results where these are written.
+std::vector<StressReport> recover_cases(const AnalysisRun& run, std::vector<StaticSolution>& solutions,
+                                        Results* results) {
+  std::vector<StressReport> all;
+  for (std::size_t c = 0; c < solutions.size(); ++c) {
+    Results one;
+    if (results)
+      add_fields(run, solutions[c].system, solutions[c].unknowns, {static_cast<double>(c + 1)}, Fields::All, one);
+    all.push_back(recover_stress(run, solutions[c], results ? &one : nullptr));
+    if (results) add_case(std::move(one), *results);
+  }
+  return all;
+}
+
+// What the solutions hold moves into the results.
+void add_solutions(std::vector<StaticSolution>& solutions, Results& results) {
   std::vector<CaseResult> cases;
   if (!solutions[0].case_name.empty())
     for (const StaticSolution& solution : solutions) cases.push_back(case_result(solution));
@@ -62,17 +74,21 @@ Results static_results(const AnalysisRun& run, const BodySystem& system, std::ve
       results.parts[b].point_stress = std::move(solutions[0].bodies[b].points.stress);
   results.statics = std::move(solutions[0].result);
   results.statics->cases = std::move(cases);
-  return results;
 }
 
-std::string json_report(const AnalysisRun& run, const BodySystem& system, std::span<const StaticSolution> solutions) {
+std::string json_report(const AnalysisRun& run, const BodySystem& system, std::span<const StaticSolution> solutions,
+                        std::span<const StressReport> stress) {
   io::JsonObject report;
   add_models(report, run, system);
   if (solutions[0].case_name.empty()) {
     report.add("statics", static_json(solutions[0], system));
+    report.add("stress", stress_json(stress[0], solutions[0], system));
   } else {
     std::vector<io::JsonObject> cases;
-    for (const StaticSolution& solution : solutions) cases.push_back(static_json(solution, system));
+    for (std::size_t c = 0; c < solutions.size(); ++c) {
+      cases.push_back(static_json(solutions[c], system));
+      cases.back().add("stress", stress_json(stress[c], solutions[c], system));
+    }
     const CaseEnvelope envelope = envelope_of(solutions);
     report.add("cases", cases);
     report.add("envelope", io::JsonObject()
@@ -85,14 +101,18 @@ std::string json_report(const AnalysisRun& run, const BodySystem& system, std::s
   return report.text();
 }
 
-std::string text_report(const AnalysisRun& run, const BodySystem& system, std::span<const StaticSolution> solutions) {
+std::string text_report(const AnalysisRun& run, const BodySystem& system, std::span<const StaticSolution> solutions,
+                        std::span<const StressReport> stress) {
   TextReport head, end;
   add_models(head, run, system);
   add_end(end, run);
-  if (solutions[0].case_name.empty()) return head.text() + static_text(solutions[0], system) + end.text();
+  const auto one = [&](std::size_t c) {
+    return static_text(solutions[c], system) + stress_text(stress[c], solutions[c], system);
+  };
+  if (solutions[0].case_name.empty()) return head.text() + one(0) + end.text();
   std::string cases;
-  for (const StaticSolution& solution : solutions)
-    cases += fmt::format("case '{}'\n{}", solution.case_name, static_text(solution, system));
+  for (std::size_t c = 0; c < solutions.size(); ++c)
+    cases += fmt::format("case '{}'\n{}", solutions[c].case_name, one(c));
   return head.text() + cases + envelope_text(solutions, system) + end.text();
 }
 
@@ -110,10 +130,16 @@ int static_command(AnalysisRun& run) {
   }
   for (const StaticSolution& solution : solutions) warn(run, solution.warnings);
   run.timings.insert(run.timings.end(), solutions[0].timings.begin(), solutions[0].timings.end());
-  const std::string report = run.command.style == ReportStyle::Json ? json_report(run, system, solutions)
-                                                                    : text_report(run, system, solutions);
-  if (!run.settings.output.empty()) {
-    Results results = static_results(run, system, solutions);
+  const bool writes = !run.settings.output.empty();
+  Results results;
+  if (writes) results = results_head(run, "static", system);
+  Stopwatch watch(run.timings);
+  const std::vector<StressReport> stress = recover_cases(run, solutions, writes ? &results : nullptr);
+  watch.stage("stress");
+  const std::string report = run.command.style == ReportStyle::Json ? json_report(run, system, solutions, stress)
+                                                                    : text_report(run, system, solutions, stress);
+  if (writes) {
+    add_solutions(solutions, results);
     write_outputs(run, results);
   }
   print_report(run, report);

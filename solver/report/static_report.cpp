@@ -185,16 +185,13 @@ std::string static_text(const StaticSolution& s, const BodySystem& system) {
         100 * errors->strain_energy, 100 * errors->energy_norm));
   else if (!s.no_energy_error.empty())
     line("no estimate of errors: " + s.no_energy_error);
-  for (const auto& [what, largest] :
-       {std::pair{"displacement", &s.largest_displacement}, std::pair{"von Mises stress", &s.largest_von_mises}})
-    line(fmt::format("largest {} {:.6g} at {}{}", what, largest->value, text(largest->at),
-                     of_body(system, largest->body)));
+  line(fmt::format("largest displacement {:.6g} at {}{}", s.largest_displacement.value, text(s.largest_displacement.at),
+                   of_body(system, s.largest_displacement.body)));
   const auto singular = [&](const std::string& body, const Point3& x) {
     if (const auto place = singular_place_near(s, body, x))
       line(
           fmt::format("  no stress to rely on: within two spans of {}, where it has no limit as spans shrink", *place));
   };
-  singular(system.name_among_several(s.largest_von_mises.body), s.largest_von_mises.at);
   const ProbeResult& p = s.result.probes;
   for (std::size_t k = 0; k < p.names.size(); ++k) {
     line(fmt::format("probe '{}'{} at {}", p.names[k], on(s.probe_bodies[k]), text(point(p.positions, k))));

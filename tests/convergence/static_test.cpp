@@ -2,6 +2,7 @@
 // surface, so that the closed solution is exact on the faceted part too and the facets cost no accuracy.
 #include "solver/mechanics/assemble.hpp"
 #include "tests/embed/surfaces.hpp"
+#include "tests/solver/exact_solutions.hpp"
 #include "tests/solver/static_support.hpp"
 #include "tests/solver/trimmed_part.hpp"
 #include "tests/support/rate.hpp"
@@ -87,55 +88,6 @@ PartOptions grid_for(int p, double h) {
   return {p, h, 0.3, p == 1 ? 2 : 0, identity_rotation};
 }
 
-// An eighth of a hollow sphere between radii a and b: n facets along each edge of the octant.
-TriangleMesh octant(double a, double b, int n) {
-  TriangleMesh mesh;
-  mesh.region_names = {"sphere"};
-  const auto add = [&](const Point3& p, const Point3& q, const Point3& r) {
-    const auto first = static_cast<std::int32_t>(mesh.vertices.size());
-    for (const Point3& x : {p, q, r}) mesh.vertices.push_back(x);
-    mesh.triangles.push_back({first, first + 1, first + 2});
-    mesh.region.push_back(0);
-  };
-  const auto on = [&](double radius, int i, int j) { // i along x, j along y, the rest along z
-    const Point3 x{static_cast<double>(i), static_cast<double>(j), static_cast<double>(n - i - j)};
-    return times(x, radius / norm(x));
-  };
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; i + j < n; ++j) {
-      add(on(b, i, j), on(b, i + 1, j), on(b, i, j + 1));
-      add(on(a, i, j), on(a, i, j + 1), on(a, i + 1, j));
-      if (i + j + 1 == n) continue;
-      add(on(b, i + 1, j), on(b, i + 1, j + 1), on(b, i, j + 1));
-      add(on(a, i + 1, j), on(a, i, j + 1), on(a, i + 1, j + 1));
-    }
-  const auto side = [&](const Point3& a0, const Point3& a1, const Point3& b0, const Point3& b1) {
-    add(a0, b1, a1);
-    add(a0, b0, b1);
-  };
-  for (int i = 0; i < n; ++i) {
-    side(on(a, i + 1, 0), on(a, i, 0), on(b, i + 1, 0), on(b, i, 0));                         // y = 0
-    side(on(a, 0, i), on(a, 0, i + 1), on(b, 0, i), on(b, 0, i + 1));                         // x = 0
-    side(on(a, i, n - i), on(a, i + 1, n - i - 1), on(b, i, n - i), on(b, i + 1, n - i - 1)); // z = 0
-  }
-  return mesh;
-}
-
-// Lamé: radii 1 and 2, pressure 1 inside.
-Point3 sphere_displacement(const Point3& x) {
-  const double r = norm(x);
-  return times(x, ((1 - 2 * nu) * r + (1 + nu) * 8 / (2 * r * r)) / (7 * E) / r);
-}
-Voigt sphere_stress(const Point3& x) {
-  const double r = norm(x), radial = (1 - 8 / (r * r * r)) / 7, hoop = (1 + 4 / (r * r * r)) / 7;
-  Voigt s;
-  const auto entry = [&](std::size_t i, std::size_t j) {
-    return (i == j ? hoop : 0.0) + (radial - hoop) * x[i] * x[j] / (r * r);
-  };
-  s << entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(1, 2), entry(2, 0);
-  return s;
-}
-
 bool is_axis(const Point3& n) {
   return std::max({std::abs(n[0]), std::abs(n[1]), std::abs(n[2])}) > 1 - 1e-9;
 }
@@ -186,44 +138,6 @@ TEST(ThickSphere, UnderPressureMovesAsLameSays) {
   EXPECT_NEAR(norm({u[3], u[4], u[5]}), 0.3, 0.3 * 5e-3);
   EXPECT_NEAR(s.result.strain_energy, 0.5 * 0.8 * std::numbers::pi / 2, 5e-3); // ½ p u(a) · area
 }
-
-namespace {
-
-// Kirsch: tension 1 along x, hole of radius 1, plane strain.
-Voigt kirsch_stress(const Point3& x) {
-  const double r2 = x[0] * x[0] + x[1] * x[1], a2 = 1 / r2, a4 = a2 * a2;
-  const double c2 = (x[0] * x[0] - x[1] * x[1]) / r2, s2 = 2 * x[0] * x[1] / r2;
-  const double rr = 0.5 * (1 - a2) + 0.5 * (1 - 4 * a2 + 3 * a4) * c2;
-  const double tt = 0.5 * (1 + a2) - 0.5 * (1 + 3 * a4) * c2;
-  const double rt = -0.5 * (1 + 2 * a2 - 3 * a4) * s2;
-  const double xx = 0.5 * (rr + tt) + 0.5 * (rr - tt) * c2 - rt * s2;
-  const double yy = 0.5 * (rr + tt) - 0.5 * (rr - tt) * c2 + rt * s2;
-  Voigt s;
-  s << xx, yy, nu * (xx + yy), 0.5 * (rr - tt) * s2 + rt * c2, 0, 0;
-  return s;
-}
-
-// A quarter of a plate of half width 2.5, n facets on each half of the quarter hole.
-TriangleMesh quarter_plate(int n, double thickness) {
-  constexpr double half = 2.5;
-  std::vector<std::array<double, 2>> polygon;
-  const auto angle = [&](int k) { return k * std::numbers::pi / (4 * n); };
-  for (int k = 0; k <= 2 * n; ++k) {
-    const double s = std::sin(angle(k)), c = std::cos(angle(k)), reach = half / std::max(s, c);
-    polygon.push_back({k == 2 * n ? 0 : k <= n ? half : reach * c, k == 0 ? 0 : k >= n ? half : reach * s});
-  }
-  for (int k = 2 * n; k >= 0; --k)
-    polygon.push_back({k == 2 * n ? 0 : std::cos(angle(k)), k == 0 ? 0 : std::sin(angle(k))});
-  std::vector<Triangle> triangles;
-  for (int k = 0; k < 2 * n; ++k) {
-    const int inner = 4 * n + 1 - k; // faces point k of the outside
-    triangles.push_back({k, k + 1, inner});
-    triangles.push_back({inner, k + 1, inner - 1});
-  }
-  return prism(polygon, triangles, 0, thickness);
-}
-
-} // namespace
 
 TEST(PlateWithHole, ConvergesInEnergyAndFindsTheStressConcentration) {
   constexpr double thickness = 0.5;
