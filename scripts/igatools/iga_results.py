@@ -21,7 +21,7 @@ from igatools.iga_schema import FormatError, text_of  # noqa: E402
 SCHEMA = iga_schema.load("results")
 FIELDS = iga_schema.load("fields")
 KINDS = {number: name for name, number in SCHEMA["enum"]["kind"].items()}
-PARTS = {"eigen": "/eigen", "static": "/static", "explicit": "/time_series", "heat": "/heat"}
+PARTS = {"eigen": "/eigen", "static": "/static", "explicit": "/time_series", "heat": "/heat", "nonlinear": "/time_series"}
 
 
 class Fields:
@@ -59,7 +59,8 @@ class Results:
         for names, group in (("/time_series/contact_names", "/time_series/contact"), ("/body_names", "/bodies"),
                              ("/time_series/body_names", "/time_series/body"),
                              ("/time_series/rigid_names", "/time_series/rigid"),
-                             ("/time_series/support_names", "/time_series/support")):
+                             ("/time_series/support_names", "/time_series/support"),
+                             ("/time_series/probe_names", "/time_series/probe")):
             for name in self.texts(names) if group in self else []:
                 if f"{group}/{name}" not in self:
                     raise FormatError(f"{group}/{name}: is missing; expected a group")

@@ -186,13 +186,8 @@ std::vector<io::TableKeys> run_keys() {
       {"bodies", {"light_functions", "light_threshold"}},
       {"bodies.material", {"law", "name", "E", "nu", "rho", "C", "expansion", "conductivity"}},
       {"eigen", {"modes", "modes_below", "largest", "sturm", "errors"}},
-      {"results", {"subdivide", "viewer"}},
-      {"load", {"body"}},
-      {"support",
-       {"name", "body", "fixed", "rotation", "rotate_axis_angle", "value", "gradient", "method", "penalty_factor"}},
-      {"probe", {"name", "body", "position"}}};
-  for (const auto& more :
-       {load_keys("load"), region_keys("support"), place_keys("support"), body_file_keys(), tie_keys()})
+      {"results", {"subdivide", "viewer"}}};
+  for (const auto& more : {static_keys(), body_file_keys(), tie_keys()})
     keys.insert(keys.end(), more.begin(), more.end());
   return keys;
 }
