@@ -74,6 +74,7 @@ void read_supports(io::SettingsTable& root, NonlinearRun& run) {
              "\"pinned\" and \"radial\" hold small displacements only: at large ones the part turns away from its "
              "undeformed normals; fix components");
     refuse_body(tables[s]);
+    read_name(tables[s], "name", support.name); // it is a name in the results file too
     support.method = SupportMethod::Penalty;
     for (std::size_t t = 0; t < s; ++t)
       if (run.supports[t].name == support.name)
