@@ -84,7 +84,7 @@ class Nonlinear(unittest.TestCase):
             self.assertIn(words, text)
 
     def test_failure_keeps_steps_and_restart_goes_on(self):
-        (self.path / "stuck.toml").write_text(RUN.replace("steps = 4", "steps = 4\nmax_iterations = 2\nsmallest_step = 0.6"))
+        (self.path / "stuck.toml").write_text(RUN.replace("steps = 4", "steps = 4\nmax_iterations = 5\nsmallest_step = 0.6"))
         done = self.solve("stuck.toml", "-o", "stuck.h5", "--force", code=4)
         self.assertIn("--restart", done.stderr)
         kept = len(iga_results.read(self.path / "stuck.h5")["/time_series/time"])
@@ -98,13 +98,13 @@ class Nonlinear(unittest.TestCase):
         self.assertFalse((self.path / "stuck_restart.h5").exists())
 
     def test_restart_of_another_run_is_refused(self):
-        (self.path / "other.toml").write_text(RUN.replace("steps = 4", "steps = 4\nmax_iterations = 2\nsmallest_step = 0.6"))
+        (self.path / "other.toml").write_text(RUN.replace("steps = 4", "steps = 4\nmax_iterations = 5\nsmallest_step = 0.6"))
         self.solve("other.toml", "-o", "other.h5", "--force", code=4)
         (self.path / "other.toml").write_text(RUN.replace("-0.5]", "-0.6]"))
         self.assertIn("load[1].force", self.solve("other.toml", "-o", "other.h5", "--restart", code=2).stderr)
 
     def test_mistakes(self):
-        self.refused(lambda text: text.replace("steps = 4", "step = 4"), "wrong.toml:17", "steps")
+        self.refused(lambda text: text.replace("steps = 4", "step = 4"), "wrong.toml:16", "steps")
         self.refused(lambda text: text.replace("force = [0, 0, -0.5]", "moment = [0, 1, 0]"), "wrong.toml:11", "moment")
         self.refused(lambda text: text.replace("force = [0, 0, -0.5]", "traction = [0, 0, -1]\nfollower = true"), "follower", "pressure")
         self.refused(lambda text: text.replace('name = "root"', 'name = "root"\nmethod = "nitsche"'), "penalty")

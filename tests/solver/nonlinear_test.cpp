@@ -146,7 +146,10 @@ TEST(Nonlinear, TangentIsDerivativeOfResidual) {
       if (pressure) run.loads = {end_load(LoadKind::Pressure, {}, 0.5)};
       const NonlinearStatics statics(run, space);
       Eigen::Matrix3d F;
-      F << 0.9, 0.1, 0, -0.1, 1.05, 0.1, 0.1, 0, 1.1;
+      if (std::string(law) == "foam") // its stress has kinks: a state in which all points are crushed along all axes
+        F << 0.7, 0.02, 0, -0.02, 0.75, 0.02, 0.02, 0, 0.8;
+      else
+        F << 0.9, 0.1, 0, -0.1, 1.05, 0.1, 0.1, 0, 1.1;
       const Eigen::VectorXd u = uniform(space, F) + random_vector(space.num_unknowns(), 0.01, 1);
       const Eigen::VectorXd v = random_vector(space.num_unknowns(), 1, 2);
       constexpr double step = 1e-6;
@@ -187,7 +190,7 @@ TEST(Nonlinear, NewtonConvergesQuadratically) {
 }
 
 TEST(Nonlinear, SmallLoadsAreLinear) {
-  const TrimmedModel model = beam();
+  const TrimmedModel model = beam(1);
   const SolutionSpace space(model, usual());
   constexpr double force = 1e-7;
   for (const char* law : {"linear", "st-venant", "neo-hookean", "j2"}) {
@@ -206,9 +209,9 @@ TEST(Nonlinear, SmallLoadsAreLinear) {
   }
 }
 
-// Prescribed motion: the clamped end is turned by 120° about the beam's axis; reactions are balanced.
+// Prescribed motion: the end is pushed in by 30 % and aside; reactions are balanced.
 TEST(Nonlinear, PrescribedLargeMotion) {
-  const TrimmedModel model = beam();
+  const TrimmedModel model = beam(1);
   const SolutionSpace space(model, usual());
   NonlinearRun run = run_of("neo-hookean");
   run.supports.push_back(clamp(4));
