@@ -365,7 +365,8 @@ Results load(const H5Reader& file) {
                                                                   {"nonlinear", result::time_series}}};
   const auto part = std::find_if(parts.begin(), parts.end(), [&](const auto& p) { return analysis == p.first; });
   if (part == parts.end())
-    file.refuse("/ attribute analysis", fmt::format("is '{}', expected eigen, static, explicit, heat or nonlinear", analysis));
+    file.refuse("/ attribute analysis",
+                fmt::format("is '{}', expected eigen, static, explicit, heat or nonlinear", analysis));
   if (!file.has(part->second)) file.refuse(part->second, "is missing; expected a group");
   if (file.has(result::eigen)) r.eigen = read_eigen(file, num_functions);
   if (file.has(result::statics)) r.statics = read_static(file, num_functions);

@@ -55,8 +55,7 @@ double smallest_side(const Point3& h) {
 } // namespace
 
 FiniteBody::FiniteBody(const SolutionSpace& space, const Law& law, std::shared_ptr<const Connectivity> connectivity)
-    : space_(&space), law_(law, smallest_side(space.model().grid.span_size())),
-      connectivity_(std::move(connectivity)) {
+    : space_(&space), law_(law, smallest_side(space.model().grid.span_size())), connectivity_(std::move(connectivity)) {
   SpanPointStorage storage;
   first_block_.push_back(0);
   for (std::int64_t a = 0; a < space.num_cells(); ++a) {

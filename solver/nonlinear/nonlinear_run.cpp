@@ -98,8 +98,9 @@ void read_loads(io::SettingsTable& root, NonlinearRun& run) {
              "moments and forces beside the part are those of small displacements only: their arms change as the part "
              "moves; give force, traction or pressure on a region");
     if (load.load.kind == LoadKind::Centrifugal)
-      refuse(table, "name",
-             "a part that turns is one of small displacements only: its forces grow with the radius; give a body_force");
+      refuse(
+          table, "name",
+          "a part that turns is one of small displacements only: its forces grow with the radius; give a body_force");
     run.loads.push_back(std::move(load));
   }
   for (io::SettingsTable& table : root.tables("probe")) {
