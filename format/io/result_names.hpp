@@ -156,6 +156,11 @@ constexpr NamedGroup support_series{
     "driven and fixed regions",
     "one support",
     {"/time_series/support_names", "1", "(support)", "names of the supports, each a group of /time_series/support"}};
+constexpr NamedGroup probe_series{
+    "/time_series/probe",
+    "points that the user asked for",
+    "one probe",
+    {"/time_series/probe_names", "1", "(probe)", "names of the probes, each a group of /time_series/probe"}};
 constexpr NamedGroup body_heads{"/bodies",
                                 "deformable bodies and their models",
                                 "one body",

@@ -299,6 +299,7 @@ TimeSeries read_time_series(const H5Reader& file) {
   read_named(file, result::body_series, t.bodies);
   read_named(file, result::rigid_series, t.rigid);
   read_named(file, result::support_series, t.supports);
+  read_named(file, result::probe_series, t.probes);
   for_each_series(t, [&](const SeriesColumn& series, std::vector<double>& values) {
     const std::string path = fmt::format("{}/{}", result::time_series, series.path);
     if (!series.required && !file.has(path)) return;
@@ -388,19 +389,21 @@ Results load(const H5Reader& file) {
   expect_ascending(file, result::active_functions, r.active_functions);
   const auto& analysis = r.header.analysis;
   const char* const tables = result::tables.path;
-  const std::array<std::pair<const char*, const char*>, 8> parts{{{"eigen", result::eigen},
+  const std::array<std::pair<const char*, const char*>, 9> parts{{{"eigen", result::eigen},
                                                                   {"static", result::statics},
                                                                   {"buckling", result::buckling},
                                                                   {"explicit", result::time_series},
+                                                                  {"nonlinear", result::time_series},
                                                                   {"heat", result::heat},
                                                                   {"harmonic", tables},
                                                                   {"random", tables},
                                                                   {"transient", tables}}};
   const auto part = std::find_if(parts.begin(), parts.end(), [&](const auto& p) { return analysis == p.first; });
   if (part == parts.end())
-    file.refuse(
-        "/ attribute analysis",
-        fmt::format("is '{}', expected eigen, static, buckling, explicit, heat, harmonic, random or transient", analysis));
+    file.refuse("/ attribute analysis",
+                fmt::format("is '{}', expected eigen, static, buckling, explicit, nonlinear, heat, harmonic, random or "
+                            "transient",
+                            analysis));
   if (!file.has(part->second)) file.refuse(part->second, "is missing; expected a group");
   if (file.has(result::eigen)) r.eigen = read_eigen(file, num_functions);
   if (file.has(result::statics)) r.statics = read_static(file, num_functions);

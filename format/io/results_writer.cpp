@@ -194,6 +194,7 @@ void write_time_series(H5Writer& file, const TimeSeries& t) {
   if (!t.bodies.empty()) write_named(file, result::body_series, t.bodies);
   if (!t.rigid.empty()) write_named(file, result::rigid_series, t.rigid);
   if (!t.supports.empty()) write_named(file, result::support_series, t.supports);
+  if (!t.probes.empty()) write_named(file, result::probe_series, t.probes);
   for_each_series(t, [&](const SeriesColumn& series, const std::vector<double>& values) {
     if (values.empty() && !t.time.empty()) return;
     const std::string path = fmt::format("{}/{}", result::time_series, series.path);

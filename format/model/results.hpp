@@ -14,7 +14,7 @@ namespace iga {
 
 /// What every results file says about its origin.
 struct ResultsHeader {
-  std::string analysis; ///< eigen | static | buckling | explicit | heat | harmonic | random | transient
+  std::string analysis; ///< eigen | static | buckling | explicit | nonlinear | heat | harmonic | random | transient
   std::string title;    ///< the model's
   std::string length_unit = "unspecified";
   std::string model_file;              ///< base name of the interchange file
@@ -160,8 +160,9 @@ struct HeatResult {
   ProbeResult probes; ///< with temperature and heat flux
 };
 
-/// What changes with time in an explicit analysis: one row per output. Every series has num_times · components entries,
-/// time slowest; one that is empty was not kept. format/model/time_series.hpp goes through them one by one.
+/// What changes with time in an explicit analysis, with the load in a nonlinear one: one row per output. Every series
+/// has num_times · components entries, time slowest; one that is empty was not kept. format/model/time_series.hpp goes
+/// through them one by one.
 struct TimeSeries {
   static constexpr std::array energy_names{"internal", "kinetic",  "contact", "friction",
                                            "damping",  "external", "eroded"};
@@ -193,7 +194,11 @@ struct TimeSeries {
     std::string name;
     std::vector<double> force; ///< 3; of the support on the body
   };
-  std::vector<double> time;
+  struct Probe {
+    std::string name;
+    std::vector<double> displacement; ///< 3
+  };
+  std::vector<double> time;              ///< of nonlinear statics the load factor, 0 … 1
   std::vector<double> dt = {};           ///< of the step to come
   std::vector<double> energy_error = {}; ///< |change of the sum| / largest energy so far
   std::array<std::vector<double>, energy_names.size()> energy;
@@ -201,9 +206,12 @@ struct TimeSeries {
   std::vector<Body> bodies = {};
   std::vector<Rigid> rigid = {};
   std::vector<Support> supports = {};
+  std::vector<Probe> probes = {};
+  std::vector<double> iterations = {}; ///< of Newton's method in the step
+  std::vector<double> residual = {};   ///< that is left, relative to the forces
 };
 
-/// A body of an explicit analysis, or of one with several bodies, as the head of its results says.
+/// A body of an explicit or nonlinear analysis, or of one with several bodies, as the head of its results says.
 struct BodyResult {
   std::string name;
   std::string model_file, model_sha256;

@@ -1,5 +1,5 @@
-// All series of an explicit analysis under the names they have in the results file, one by one: writing, reading,
-// appending and cutting off are loops over them.
+// All series of an explicit or nonlinear analysis under the names they have in the results file, one by one: writing,
+// reading, appending and cutting off are loops over them.
 #pragma once
 
 #include "format/model/results.hpp"
@@ -19,7 +19,8 @@ struct SeriesColumn {
 /// Calls visit(SeriesColumn, std::vector<double>&) for each series that `t` (TimeSeries, or const) may hold.
 template <class Series, class Visit> void for_each_series(Series& t, Visit&& visit) {
   constexpr const char *scalar = "(time)", *vector = "(time; x y z)";
-  visit(SeriesColumn{"time", "time", "ascending", "times of the series", 1, true}, t.time);
+  visit(SeriesColumn{"time", "time", "ascending", "times of the series; of nonlinear statics load factors", 1, true},
+        t.time);
   visit(SeriesColumn{"dt", "time", scalar, "time step that follows"}, t.dt);
   visit(SeriesColumn{"energy_error", "1", scalar, "change of the sum of energies / largest energy so far"},
         t.energy_error);
@@ -65,6 +66,11 @@ template <class Series, class Visit> void for_each_series(Series& t, Visit&& vis
   for (auto& s : t.supports)
     visit(SeriesColumn{"support/" + s.name + "/force", "force", vector, "force of the support on the body", 3},
           s.force);
+  for (auto& p : t.probes)
+    visit(SeriesColumn{"probe/" + p.name + "/displacement", "length", vector, "displacement of the probe", 3},
+          p.displacement);
+  visit(SeriesColumn{"iterations", "1", scalar, "iterations of Newton's method in the step"}, t.iterations);
+  visit(SeriesColumn{"residual", "1", scalar, "forces out of balance / forces"}, t.residual);
 }
 
 /// Keeps the first `rows` outputs.

@@ -21,7 +21,7 @@ ORDER = {
     "solver": ["base", "space", "linalg", "mechanics", "estimate", "output", "supports", "ties", "stress", "analysis",
                "response", "report", "explicit/simd",
                "explicit/laws", "explicit/kernel", "explicit/motion", "explicit/contact", "explicit/loads",
-               "explicit/run", "program"],
+               "explicit/run", "nonlinear", "program"],
 }
 OURS = ("format/", "preprocessor/", "solver/", "samples/", "tests/")
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')

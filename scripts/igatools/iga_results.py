@@ -22,7 +22,7 @@ SCHEMA = iga_schema.load("results")
 FIELDS = iga_schema.load("fields")
 KINDS = {number: name for name, number in SCHEMA["enum"]["kind"].items()}
 PARTS = {"eigen": "/eigen", "static": "/static", "buckling": "/buckling", "explicit": "/time_series", "heat": "/heat",
-         "harmonic": "/tables", "random": "/tables", "transient": "/tables"}
+         "nonlinear": "/time_series", "harmonic": "/tables", "random": "/tables", "transient": "/tables"}
 
 
 class Fields:
@@ -61,7 +61,8 @@ class Results:
                              ("/table_names", "/tables"),
                              ("/time_series/body_names", "/time_series/body"),
                              ("/time_series/rigid_names", "/time_series/rigid"),
-                             ("/time_series/support_names", "/time_series/support")):
+                             ("/time_series/support_names", "/time_series/support"),
+                             ("/time_series/probe_names", "/time_series/probe")):
             for name in self.texts(names) if group in self else []:
                 if f"{group}/{name}" not in self:
                     raise FormatError(f"{group}/{name}: is missing; expected a group")

@@ -49,8 +49,9 @@ class Results(Labels, iga_results.Results):
 
     @property
     def times(self):
-        """Times of the fields of an explicit run, which `step` counts: (n_steps), time."""
-        self._expect("explicit", "times")
+        """Times of the fields of an explicit run, or load factors of a nonlinear one, which `step` counts: (n_steps)."""
+        if not self._has_steps():
+            self._expect("explicit", "times")
         return self["/fields/time"] if self.num_fields() else np.zeros(0)
 
     @property
@@ -62,6 +63,9 @@ class Results(Labels, iga_results.Results):
     @property
     def _shapes(self):
         return "/buckling/modes" if self.analysis == "buckling" else "/modes"
+
+    def _has_steps(self):
+        return self.analysis in ("explicit", "nonlinear")
 
     def _expect(self, analysis, what):
         if self.analysis != analysis:
@@ -100,11 +104,11 @@ class Results(Labels, iga_results.Results):
     def _number(self, mode, step):
         """Number of the field that mode or step ask for; the one that belongs to another analysis must be left out."""
         asked = {"mode": mode, "step": step}
-        wanted = {"eigen": "mode", "buckling": "mode", "explicit": "step"}.get(self.analysis)
+        wanted = {"eigen": "mode", "buckling": "mode", "explicit": "step", "nonlinear": "step"}.get(self.analysis)
         if {name for name, number in asked.items() if number is not None} != ({wanted} if wanted else set()):
             raise ValueError(f"{self.path}: results of an analysis '{self.analysis}', expected "
                              + (f"{wanted}=<number> and nothing else" if wanted else "neither mode nor step"))
-        if self.analysis == "explicit" and not self.num_fields():
+        if self._has_steps() and not self.num_fields():
             raise ValueError(f"{self.path}: the run wrote no fields; set field_interval in [output] of the run file")
         count = self.num_fields() or (len(self[self._shapes]) if wanted else 1)
         number = asked[wanted] if wanted else 0
@@ -139,8 +143,8 @@ class Results(Labels, iga_results.Results):
     def strain(self, points, mode=None, body=None):
         """Small strains at points, (n, 6): xx yy zz xy yz zx, shear as angles (twice the tensor's); nan outside. Not of explicit
         runs, whose deformations are large: their fields hold strains on the surface, results.fields(step)."""
-        if self.analysis == "explicit":
-            raise ValueError(f"{self.path}: strains and stresses of explicit runs depend on what happened before; they are "
+        if self._has_steps():
+            raise ValueError(f"{self.path}: strains and stresses of explicit and nonlinear runs depend on what happened before; they are "
                              "stored, not evaluated: see results.fields(step)")
         model = self.model(body)
         cells, parameters = model.locate(points)

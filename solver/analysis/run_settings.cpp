@@ -221,13 +221,8 @@ std::vector<io::TableKeys> run_keys() {
       {"bodies.material", {"law", "name", "E", "nu", "rho", "C", "yield", "expansion", "conductivity"}},
       {"eigen", {"modes", "modes_below", "largest", "sturm", "errors", "prestress"}},
       {"buckling", {"factors", "negative", "constant", "sturm"}},
-      {"results", {"subdivide", "viewer", "stress"}},
-      {"load", {"body"}},
-      {"support",
-       {"name", "body", "fixed", "rotation", "rotate_axis_angle", "value", "gradient", "method", "penalty_factor"}},
-      {"probe", {"name", "body", "position"}}};
-  for (const auto& more : {load_keys("load"), region_keys("support"), place_keys("support"), body_file_keys(),
-                           tie_keys(), response_keys(), stress_line_keys()})
+      {"results", {"subdivide", "viewer", "stress"}}};
+  for (const auto& more : {static_keys(), body_file_keys(), tie_keys(), response_keys(), stress_line_keys()})
     keys.insert(keys.end(), more.begin(), more.end());
   return keys;
 }

@@ -23,11 +23,12 @@ const char* const footer = R"(Examples:
   igasolve harmonic run.toml -o response.h5              frequency response; random and transient likewise
   igasolve buckling run.toml -o buckling.h5              factors on the loads at which the part buckles
   igasolve explicit impact.toml -o impact.h5             impact and crush; igasolve explicit --help shows a run file
+  igasolve nonlinear run.toml -o bent.h5                 statics at large displacement; its --help shows a run file
   igasolve export modes.h5 --csv                         frequencies, series, probes, fields as tables
 
 Exit codes: 0 done, 1 fault of the program, 2 input, usage or file access, 3 a file breaks the schema, 4 a method did not
 reach its tolerance or a run blew up, 129, 130, 131 and 143 interrupted by SIGHUP, SIGINT, SIGQUIT and SIGTERM (no file is
-changed; explicit runs leave their results so far and a restart file), 141: nobody reads the report any more. Too little
+changed; explicit and nonlinear runs leave their results so far and a restart file), 141: nobody reads the report any more. Too little
 memory is exit code 2 and says so.)";
 
 const char* const analysis_footer =
@@ -81,6 +82,26 @@ const char* const explicit_footer =
 
 Results: out.h5 (time series), out_fields/ and, for ParaView, out.pvd. Ctrl-C and SIGTERM leave valid results and
 out_restart.h5: the same command with --restart goes on bit for bit.)";
+
+const char* const nonlinear_footer =
+    R"(Example of a run file; all keys: solver/nonlinear/README.md. Paths are relative to its folder.
+  model = "beam.h5"                        # made by igaprep
+  material = { law = "neo-hookean", E = 210e3, nu = 0.3 }
+  [[support]]                              # as in static runs, all held by penalty; values grow with the load factor
+  plane = { point = [0, 0, 0], normal = [1, 0, 0] }
+  [[load]]                                 # dead; a pressure follows the surface unless follower = false
+  plane = { point = [100, 0, 0], normal = [1, 0, 0] }
+  force = [0, 0, -500]
+  [[probe]]
+  name = "tip"
+  position = [100, 5, 5]
+  [nonlinear]
+  steps = 10                               # cut where Newton's method needs it; results are kept at each
+  tolerance = 1e-8                         # also: max_iterations, smallest_step
+
+Laws and their keys: those of explicit runs, solver/explicit/laws/README.md. Results: bent.h5 (series over the load factor),
+bent_fields/ and, for ParaView, bent.pvd. Ctrl-C, and a run that finds no equilibrium (exit code 4), keep all converged steps and
+bent_restart.h5: the same command with --restart goes on; [nonlinear] and [results] may change.)";
 
 struct Raw {
   std::string file;
@@ -179,6 +200,21 @@ CLI::App* add_explicit(CLI::App& app, Raw& raw, ExplicitCommand& c) {
   return sub;
 }
 
+CLI::App* add_nonlinear(CLI::App& app, Raw& raw, NonlinearCommand& c) {
+  CLI::App* sub = app.add_subcommand("nonlinear", "Statics at large displacement: rubber, metal that yields, foam");
+  sub->add_option("run", raw.file, "Run file (.toml)")->type_name("FILE")->required();
+  sub->add_option("-o,--output", c.output, "Results file (.h5); without it only the report is printed")
+      ->type_name("FILE");
+  const std::string running = "Running";
+  sub->add_flag("--restart", c.restart, "Go on with the restart file beside the results file")->group(running);
+  sub->add_option("--threads", c.threads, "Number of threads [all]")->check(CLI::Range(1, 4096))->group(running);
+  sub->add_flag("--force", c.force, "Replace existing results")->group(running);
+  sub->add_flag("--quiet", raw.quiet, "Print errors only")->group(running);
+  sub->add_flag("--json", raw.json, "Report as one JSON object on stdout")->group(running);
+  sub->footer(nonlinear_footer);
+  return sub;
+}
+
 CLI::App* add_export(CLI::App& app, Raw& raw, ExportCommand& c) {
   CLI::App* sub = app.add_subcommand("export", "Write tables of a results file or a model as text files (CSV)");
   sub->add_option("file", raw.file, "Results file of igasolve, or model file of igaprep")
@@ -197,6 +233,7 @@ CLI::App* add_export(CLI::App& app, Raw& raw, ExportCommand& c) {
   harmonic   probe_NAME, support_NAME, modes, fields, surface, triangles; transient the same
   random     rms_NAME, rms_support_NAME, psd_NAME, modes, surface, triangles
   buckling   factors, surface, triangles
+  nonlinear  energy, body_part, support_NAME, probe_NAME, surface_part_STEP, triangles_part
   explicit   energy, contact_NAME, body_NAME, rigid_NAME, support_NAME, surface_NAME_STEP, triangles_NAME
   model      points, surface_points, spans, functions
 
@@ -277,6 +314,8 @@ std::optional<Command> parse_command_line(int argc, const char* const* argv) {
   CLI::App* export_app = add_export(app, raw, tables);
   ExplicitCommand dynamics;
   CLI::App* explicit_app = add_explicit(app, raw, dynamics);
+  NonlinearCommand nonlinear;
+  CLI::App* nonlinear_app = add_nonlinear(app, raw, nonlinear);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& answered) {
@@ -300,6 +339,12 @@ std::optional<Command> parse_command_line(int argc, const char* const* argv) {
     dynamics.run_file = raw.file;
     dynamics.text = io::command_text("igasolve", argc, argv);
     return dynamics;
+  }
+  if (*nonlinear_app) {
+    nonlinear.style = style;
+    nonlinear.run_file = raw.file;
+    nonlinear.text = io::command_text("igasolve", argc, argv);
+    return nonlinear;
   }
   analysis.style = style;
   analysis.analysis = *eigen      ? Analysis::Eigen

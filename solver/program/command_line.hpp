@@ -3,6 +3,7 @@
 
 #include "solver/program/commands.hpp"
 #include "solver/program/explicit_command.hpp"
+#include "solver/program/nonlinear_command.hpp"
 #include "solver/report/analysis_command.hpp"
 
 #include <optional>
@@ -12,7 +13,8 @@ namespace iga::solve {
 
 struct InfoCommand : ModelCommand {};
 struct CheckCommand : ModelCommand {};
-using Command = std::variant<InfoCommand, CheckCommand, ExportCommand, AnalysisCommand, ExplicitCommand>;
+using Command =
+    std::variant<InfoCommand, CheckCommand, ExportCommand, AnalysisCommand, ExplicitCommand, NonlinearCommand>;
 
 /// @returns nothing where --help or --version has been answered
 /// @throws InputError for a usage error or a run file that cannot be read

@@ -18,6 +18,7 @@ int run(int argc, const char* const* argv) {
   iga::io::install_signal_handlers();
   if (const auto* tables = std::get_if<ExportCommand>(&*command)) return run_export(*tables);
   if (const auto* run = std::get_if<ExplicitCommand>(&*command)) return run_explicit(*run);
+  if (const auto* run = std::get_if<NonlinearCommand>(&*command)) return run_nonlinear(*run);
   return run_analysis(std::get<AnalysisCommand>(*command));
 }
 

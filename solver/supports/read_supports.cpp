@@ -273,6 +273,17 @@ std::vector<io::TableKeys> load_keys(const std::string& table) {
   return keys;
 }
 
+std::vector<io::TableKeys> static_keys() {
+  std::vector<io::TableKeys> keys{
+      {"load", {"body"}},
+      {"support",
+       {"name", "body", "fixed", "rotation", "rotate_axis_angle", "value", "gradient", "method", "penalty_factor"}},
+      {"probe", {"name", "body", "position"}}};
+  for (const auto& more : {load_keys("load"), region_keys("support"), place_keys("support")})
+    keys.insert(keys.end(), more.begin(), more.end());
+  return keys;
+}
+
 RegionChoice need_region(io::SettingsTable& table) {
   const ReadRegion region = read_region(table);
   if (!region.given) refuse(table, "region", fmt::format("missing; {}", how_to_choose));

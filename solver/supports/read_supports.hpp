@@ -39,6 +39,8 @@ StaticSettings read_static_settings(io::SettingsTable& root);
 std::vector<io::TableKeys> region_keys(const std::string& table);
 std::vector<io::TableKeys> place_keys(const std::string& table);
 std::vector<io::TableKeys> load_keys(const std::string& table);
+/// Those of [[support]], [[load]] and [[probe]], all of them.
+std::vector<io::TableKeys> static_keys();
 
 /// Keys of [[case]]: those of its table `loads` are the names of the file's loads and bolts, and "temperature".
 std::vector<io::TableKeys> case_keys(const io::SettingsTable& root);

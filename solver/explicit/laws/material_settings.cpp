@@ -50,10 +50,11 @@ class Reader {
     read_all_keys();
     refuse_keys_of_other_laws();
     if (!named) return;
-    if (C_) throw InputError(fmt::format("{}: give either a name or a matrix C, not both", table_.where("name")));
-    numbers_.try_emplace("E", named->E);
-    numbers_.try_emplace("nu", named->nu);
-    numbers_.try_emplace("rho", named->rho);
+    if (C_ && named->E)
+      throw InputError(fmt::format("{}: give either a name or a matrix C, not both", table_.where("name")));
+    if (named->E) numbers_.try_emplace("E", *named->E);
+    if (named->nu) numbers_.try_emplace("nu", *named->nu);
+    if (named->rho) numbers_.try_emplace("rho", *named->rho);
   }
 
   MaterialSettings read() {

@@ -25,7 +25,7 @@ std::vector<std::string> material_keys();
 
 /// What a law takes where its table does not give it: E, nu, rho of a material by name, in the model's units.
 struct MaterialDefaults {
-  double E = 0, nu = 0, rho = 0;
+  std::optional<double> E, nu, rho;
 };
 
 /// Reads a table such as [material] or [bodies.material]; solver/explicit/laws/README.md lists its keys. A key of

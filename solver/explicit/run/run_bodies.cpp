@@ -37,26 +37,6 @@ LightTreatment read_light(io::SettingsTable& table, MassType mass) {
   return light;
 }
 
-// Numbers of bodies.material.name in the units of the model; the body's report gets their words.
-std::optional<MaterialDefaults> named_material(io::SettingsTable& table, const ExplicitRun& run, BodyRun& body) {
-  const auto name = table.text("name");
-  if (!name) return std::nullopt;
-  try {
-    const UnitSystem& units = choose_units(run.unit_system, io::read_length_unit(body.model), body.model.string());
-    const NamedMaterial found = find_material(*name, run.materials);
-    MaterialDefaults numbers{found.E / units.pascal(), found.nu, found.rho / units.kg_per_m3()};
-    body.words = MaterialWords{found.name,
-                               found.source,
-                               table.number("E").value_or(numbers.E),
-                               table.number("nu").value_or(numbers.nu),
-                               table.number("rho").value_or(numbers.rho),
-                               &units};
-    return numbers;
-  } catch (const InputError& error) {
-    refuse(table, "name", error.what());
-  }
-}
-
 BodyRun read_body(io::SettingsTable& table, const Point3& gravity, ExplicitRun& run) {
   std::vector<std::string> names;
   for (const BodyRun& other : run.bodies) names.push_back(other.body.name);
@@ -69,7 +49,8 @@ BodyRun read_body(io::SettingsTable& table, const Point3& gravity, ExplicitRun& 
   BodySettings& s = body.body;
   s.name = file.name;
   io::SettingsTable material = table.table("material");
-  body.material = read_material(material, named_material(material, run, body));
+  body.material =
+      read_material(material, named_material(material, run.unit_system, run.materials, body.model, body.words));
   if (material.holds_text("yield_curve"))
     run.inputs.push_back({*material.path("yield_curve"), material.where("yield_curve")});
   for (const std::string& warning : body.material.warnings)
@@ -89,6 +70,28 @@ BodyRun read_body(io::SettingsTable& table, const Point3& gravity, ExplicitRun& 
 }
 
 } // namespace
+
+std::optional<MaterialDefaults> named_material(io::SettingsTable& table, const std::optional<std::string>& unit_system,
+                                               const std::optional<std::filesystem::path>& materials,
+                                               const std::filesystem::path& model,
+                                               std::optional<MaterialWords>& words) {
+  const auto name = table.text("name");
+  if (!name) return std::nullopt;
+  try {
+    const UnitSystem& units = choose_units(unit_system, io::read_length_unit(model), model.string());
+    const NamedMaterial found = find_material(*name, materials);
+    const double E = found.E / units.pascal(), rho = found.rho / units.kg_per_m3();
+    words = MaterialWords{found.name,
+                          found.source,
+                          table.number("E").value_or(E),
+                          table.number("nu").value_or(found.nu),
+                          table.number("rho").value_or(rho),
+                          &units};
+    return MaterialDefaults{E, found.nu, rho};
+  } catch (const InputError& error) {
+    refuse(table, "name", error.what());
+  }
+}
 
 void read_bodies(io::SettingsTable& root, const Point3& gravity, ExplicitRun& run) {
   for (io::SettingsTable& table : root.tables("bodies")) run.bodies.push_back(read_body(table, gravity, run));

@@ -35,7 +35,8 @@ double size_of(const std::vector<FieldSampler>& samplers) {
 RunOutputs::RunOutputs(const ExplicitScene& scene, std::filesystem::path results, Results head)
     : scene_(scene), path_(std::move(results)), folder_(path_.parent_path()), results_(std::move(head)) {
   for (std::size_t b = 0; b < scene.num_bodies(); ++b)
-    samplers_.emplace_back(scene.body(b), scene.run().bodies[b].material.law, scene.run().out.subdivide);
+    samplers_.emplace_back(scene.body(b).space().model(), scene.body(b).settings().name,
+                           scene.run().bodies[b].material.law, scene.run().out.subdivide);
   for (const RigidRun& rigid : scene.run().rigid)
     rigid_.push_back(shape_mesh(rigid.body.shape, 2 * size_of(samplers_)));
   results_.fields = FieldIndex{io::bodies_file(path_), {}, {}};
@@ -80,7 +81,8 @@ void RunOutputs::remove_fields_after(std::size_t steps) const {
 
 void RunOutputs::add_fields() {
   std::vector<BodyFields> fields;
-  for (const FieldSampler& sampler : samplers_) fields.push_back(sampler.sample(scene_.run().out.points));
+  for (std::size_t b = 0; b < samplers_.size(); ++b)
+    fields.push_back(samplers_[b].sample(scene_.body(b), scene_.run().out.points));
   const std::size_t step = num_fields();
   io::write_fields(folder_ / field_file(step), scene_.integrator().time(), fields);
   results_.fields->times.push_back(scene_.integrator().time());

@@ -4,7 +4,9 @@
 #include "solver/base/run_tables.hpp"
 #include "solver/explicit/run/run_file.hpp"
 
+#include <filesystem>
 #include <functional>
+#include <optional>
 #include <span>
 
 namespace iga::solve {
@@ -25,6 +27,13 @@ DriveCurves read_drive(io::SettingsTable& table, bool may_turn, std::vector<RunI
 
 /// For SettingsTable::expect_only.
 std::vector<io::TableKeys> run_file_keys();
+
+/// Numbers of material.name in the units of the model; nothing where there is no name.
+/// @param words  gets what the report says of it
+/// @throws InputError for an unknown name, naming the nearest
+std::optional<MaterialDefaults> named_material(io::SettingsTable& table, const std::optional<std::string>& unit_system,
+                                               const std::optional<std::filesystem::path>& materials,
+                                               const std::filesystem::path& model, std::optional<MaterialWords>& words);
 
 /// @param gravity  of the run, length/time²
 void read_bodies(io::SettingsTable& root, const Point3& gravity, ExplicitRun& run);

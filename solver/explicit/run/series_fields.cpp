@@ -83,21 +83,20 @@ std::vector<double> deformation_gradients(const SolutionSpace& space, const Eige
 
 } // namespace
 
-FieldSampler::FieldSampler(const ExplicitBody& body, const Law& law, int subdivide)
-    : body_(&body), law_(law), space_(body.space().model(), {LightFunctions::None, 0}) {
-  mesh_ = {body.settings().name, space_.model().functions.number, subdivide_surface(space_.model(), subdivide)};
+FieldSampler::FieldSampler(const TrimmedModel& model, const std::string& name, const Law& law, int subdivide)
+    : law_(law), space_(model, {LightFunctions::None, 0}) {
+  mesh_ = {name, space_.model().functions.number, subdivide_surface(space_.model(), subdivide)};
   rows_ = vertex_rows(space_, mesh_.surface);
 }
 
-FieldSampler::PointSamples FieldSampler::sample_points() const {
-  const std::vector<double> F = deformation_gradients(space_, body_->full_displacement());
+FieldSampler::PointSamples FieldSampler::sample_points(const Eigen::VectorXd& u, const PointHistory& saved,
+                                                       std::span<const std::int64_t> points) const {
+  const std::vector<double> F = deformation_gradients(space_, u);
   const std::size_t n = F.size() / 9;
   const LawAccess law = std::visit([](const auto& own) { return access(own); }, law_);
   PointSamples samples{std::vector<double>(6 * n), std::vector<double>(n),
                        std::vector<double>(law.plastic_strain >= 0 ? n : 0)};
-  const PointHistory saved = body_->forces().save();
-  const SpanPlan& plan = body_->forces().plan();
-  const auto num_blocks = static_cast<std::size_t>(plan.num_point_blocks());
+  const std::size_t num_blocks = points.size() / lanes;
   const std::size_t extra =
       num_blocks > 0 ? saved.extra.size() / (lanes * num_blocks) : 0; // its first number: 0 if taken out
   const auto history_size = static_cast<std::size_t>(law.history);
@@ -106,7 +105,7 @@ FieldSampler::PointSamples FieldSampler::sample_points() const {
     LawInput in;
     in.length = std::min({h[0], h[1], h[2]});
     for (int k = 0; k < 9; ++k) in.F.c[k] = Lanes{} + (k % 4 == 0 ? 1.0 : 0.0);
-    const std::int64_t* point = &plan.point[lanes * b];
+    const std::int64_t* point = &points[lanes * b];
     for (std::size_t l = 0; l < lanes; ++l)
       if (point[l] >= 0)
         for (std::size_t k = 0; k < 9; ++k) in.F.c[k][l] = F[9 * static_cast<std::size_t>(point[l]) + k];
@@ -175,15 +174,15 @@ std::vector<double> FieldSampler::carried(const std::vector<double>& at_points) 
   return at_vertices;
 }
 
-BodyFields FieldSampler::sample(bool points) const {
+BodyFields FieldSampler::sample(const Eigen::VectorXd& u, const PointHistory& history,
+                                std::span<const std::int64_t> point, bool points) const {
   BodyFields fields;
   fields.name = mesh_.name;
-  const Eigen::VectorXd u = body_->full_displacement();
   fields.coefficients.assign(u.data(), u.data() + u.size());
   const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>> c(u.data(), u.size() / 3, 3);
   const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> at_vertices = rows_ * c;
   fields.displacement.assign(at_vertices.data(), at_vertices.data() + at_vertices.size());
-  PointSamples samples = sample_points();
+  PointSamples samples = sample_points(u, history, point);
   std::vector<double> mises(samples.strain.size());
   for (std::size_t q = 0; q < mises.size(); ++q) mises[q] = von_mises(&samples.stress[6 * q]);
   fields.von_mises = carried(mises);

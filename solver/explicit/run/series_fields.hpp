@@ -12,13 +12,21 @@ namespace iga::solve {
 /// sum to the vertices.
 class FieldSampler {
  public:
-  /// @param body, its model must outlive the sampler
+  /// @param model      must outlive the sampler
   /// @param subdivide  of the surface: edges at most span / subdivide
-  FieldSampler(const ExplicitBody& body, const Law& law, int subdivide);
+  FieldSampler(const TrimmedModel& model, const std::string& name, const Law& law, int subdivide);
 
   const BodyMesh& mesh() const { return mesh_; }
-  /// At the body's present state. @param points  with stresses and plastic strains at the quadrature points
-  BodyFields sample(bool points) const;
+  /// @param u        (3 n_f) coefficients of the model's functions
+  /// @param history  of the points in blocks of eight
+  /// @param point    (8 blocks): number of each in the model, -1 for none
+  /// @param points   with stresses and plastic strains at the quadrature points
+  BodyFields sample(const Eigen::VectorXd& u, const PointHistory& history, std::span<const std::int64_t> point,
+                    bool points) const;
+  /// The same of an explicit body's present state.
+  BodyFields sample(const ExplicitBody& body, bool points) const {
+    return sample(body.full_displacement(), body.forces().save(), body.forces().plan().point, points);
+  }
 
  private:
   struct PointSamples {
@@ -26,10 +34,10 @@ class FieldSampler {
     std::vector<double> strain;         ///< (n_points) the largest principal ln U by size
     std::vector<double> plastic_strain; ///< (n_points), empty for laws without one
   };
-  PointSamples sample_points() const;
+  PointSamples sample_points(const Eigen::VectorXd& u, const PointHistory& saved,
+                             std::span<const std::int64_t> points) const;
   std::vector<double> carried(const std::vector<double>& at_points) const;
 
-  const ExplicitBody* body_;
   Law law_;
   SolutionSpace space_; ///< of all functions
   BodyMesh mesh_;

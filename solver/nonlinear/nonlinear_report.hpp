@@ -1,0 +1,25 @@
+// What a nonlinear run says at its end.
+#pragma once
+
+#include "solver/nonlinear/nonlinear_outputs.hpp"
+#include "solver/report/analysis_report.hpp"
+
+namespace iga::solve {
+
+struct NonlinearOutcome {
+  const NonlinearRun& run;
+  const NonlinearStatics& statics;
+  const NonlinearOutputs& outputs;
+  const std::vector<StepReport>& steps; ///< of this run; a restart leaves out those before
+  const Timings& timings;
+  const std::vector<std::string>& findings;
+  const std::vector<std::string>& warnings;
+};
+
+/// What the steps should be warned of: points below min_volume_ratio, tangents that are not positive definite.
+std::vector<std::string> step_warnings(const NonlinearRun& run, const std::vector<StepReport>& steps);
+
+std::string nonlinear_text(const NonlinearOutcome& outcome);
+std::string nonlinear_json(const NonlinearOutcome& outcome);
+
+} // namespace iga::solve
