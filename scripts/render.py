@@ -9,7 +9,7 @@ Of a part (igaprep part.stl -o part.h5):
                         their own; the numbers of such spans and of functions with copies
 
 Of results (igasolve eigen part.h5 … -o modes.h5, igasolve static …):
-  <modes>_modes.png     the first six elastic modes on one sheet
+  <modes>_modes.png     the first six elastic (or buckling) modes on one sheet
   <modes>_mode_<n>.png  one mode each, for --mode n (numbers of the results file, the first is 1)
   <static>_static.png   the deformed part, or several bodies
   <explicit>_frames.png six times of an explicit run, cut in half, in their true places (--whole: not cut)

@@ -20,6 +20,7 @@ constexpr const char* material = "/material";
 constexpr const char* functions = "/functions";
 constexpr const char* eigen = "/eigen";
 constexpr const char* statics = "/static";
+constexpr const char* buckling = "/buckling";
 constexpr const char* points = "/static/points";
 constexpr const char* probes = "/static/probes";
 constexpr const char* supports = "/static/supports";
@@ -51,6 +52,17 @@ constexpr DatasetText participation{"/eigen/participation", "mass^(1/2)", "(mode
 constexpr DatasetText rotation_participation{
     "/eigen/rotation_participation", "mass^(1/2)*length", "(mode; x y z)",
     "phi^T M r of rotations r about the axes x, y, z through the centre of mass"};
+
+constexpr DatasetText buckling_factors{"/buckling/factor", "1",
+                                       "(mode): positive ones, then negative ones, each ascending in size",
+                                       "factors on the loads at which the part buckles"};
+constexpr DatasetText buckling_residuals{"/buckling/residual", "1", "(mode)", "relative residual of each mode"};
+constexpr DatasetText buckling_modes{"/buckling/modes", "1", "(mode; active function; x y z)",
+                                     "coefficients c_i of the shapes u(x) = sum N_i(x) c_i; the longest is 1"};
+constexpr DatasetText growing_loads{"/buckling/growing", "1", "(load)",
+                                    "names of the loads that the factor multiplies"};
+constexpr DatasetText constant_loads{"/buckling/constant", "1", "(load)", "names of the loads that stay as they are"};
+constexpr DatasetText preloads{"/eigen/preload", "1", "(load)", "names of the loads under which the part vibrates"};
 
 constexpr const char* strain_order = "(point; xx yy zz xy yz zx)";
 constexpr DatasetText displacement{"/static/displacement", "length", "(active function; x y z)",

@@ -148,7 +148,21 @@ EigenResult read_eigen(const H5Reader& file, std::int64_t num_functions) {
   expect_same_modes(file, e);
   e.modes = finite(file, result::modes, {n, num_functions, 3});
   read_participation(file, n, e);
+  if (file.has(result::preloads.path)) e.preload = file.strings(result::preloads.path); // since 1.5
   return e;
+}
+
+BucklingResult read_buckling(const H5Reader& file, std::int64_t num_functions) {
+  BucklingResult b;
+  b.complete_below = amount(file, result::buckling, "complete_below");
+  b.growing = file.strings(result::growing_loads.path);
+  b.constant = file.strings(result::constant_loads.path);
+  const std::int64_t n = rows_of(file, result::buckling_factors);
+  b.factors = finite(file, result::buckling_factors, {n});
+  b.residuals = finite(file, result::buckling_residuals, {n});
+  expect_none_negative(file, result::buckling_residuals, b.residuals);
+  b.modes = finite(file, result::buckling_modes, {n, num_functions, 3});
+  return b;
 }
 
 std::vector<std::string> read_texts(const H5Reader& file, const DatasetText& text, std::size_t expected) {
@@ -357,16 +371,19 @@ Results load(const H5Reader& file) {
   expect_none_negative(file, result::active_functions, r.active_functions);
   expect_ascending(file, result::active_functions, r.active_functions);
   const auto& analysis = r.header.analysis;
-  const std::array<std::pair<const char*, const char*>, 4> parts{{{"eigen", result::eigen},
+  const std::array<std::pair<const char*, const char*>, 5> parts{{{"eigen", result::eigen},
                                                                   {"static", result::statics},
+                                                                  {"buckling", result::buckling},
                                                                   {"explicit", result::time_series},
                                                                   {"heat", result::heat}}};
   const auto part = std::find_if(parts.begin(), parts.end(), [&](const auto& p) { return analysis == p.first; });
   if (part == parts.end())
-    file.refuse("/ attribute analysis", fmt::format("is '{}', expected eigen, static, explicit or heat", analysis));
+    file.refuse("/ attribute analysis",
+                fmt::format("is '{}', expected eigen, static, buckling, explicit or heat", analysis));
   if (!file.has(part->second)) file.refuse(part->second, "is missing; expected a group");
   if (file.has(result::eigen)) r.eigen = read_eigen(file, num_functions);
   if (file.has(result::statics)) r.statics = read_static(file, num_functions);
+  if (file.has(result::buckling)) r.buckling = read_buckling(file, num_functions);
   if (file.has(result::heat)) r.heat = read_heat(file, num_functions);
   if (file.has(result::time_series)) r.time_series = read_time_series(file);
   if (file.has(result::surface)) r.surface = read_surface(file);

@@ -65,12 +65,25 @@ void write_eigen(H5Writer& file, const EigenResult& e, std::int64_t num_function
   write(file, result::residuals, e.residuals);
   file.enums(result::kind, {n}, e.kind, result::kinds);
   file.dataset(result::modes, {n, num_functions, 3}, std::span<const double>(e.modes));
+  if (!e.preload.empty()) file.strings(result::preloads, e.preload);
   if (e.participation.empty()) return;
   file.attribute(result::eigen, "total_mass", e.total_mass);
   file.attribute<double>(result::eigen, "total_inertia", {3}, e.total_inertia);
   file.attribute<double>(result::eigen, "centre_of_mass", {3}, e.centre_of_mass);
   file.dataset(result::participation, {n, 3}, std::span<const double>(e.participation));
   file.dataset(result::rotation_participation, {n, 3}, std::span<const double>(e.rotation_participation));
+}
+
+void write_buckling(H5Writer& file, const BucklingResult& b, std::int64_t num_functions) {
+  file.group(result::buckling, "linear buckling");
+  file.attribute(result::buckling, "complete_below", b.complete_below);
+  file.strings(result::growing_loads, b.growing);
+  file.strings(result::constant_loads, b.constant);
+  write(file, result::buckling_factors, b.factors);
+  write(file, result::buckling_residuals, b.residuals);
+  // Of several bodies the shapes lie in the field files.
+  const auto n = static_cast<std::int64_t>(b.factors.size());
+  file.dataset(result::buckling_modes, {n, num_functions, 3}, std::span<const double>(b.modes));
 }
 
 // What the rows of a list of supports or loads have in common.
@@ -244,6 +257,8 @@ void write_results(const std::filesystem::path& path, const Results& results, bo
   if (results.eigen) write_eigen(file, *results.eigen, static_cast<std::int64_t>(results.active_functions.size()));
   if (results.statics) write_static(file, *results.statics);
   if (results.heat) write_heat(file, *results.heat);
+  if (results.buckling)
+    write_buckling(file, *results.buckling, static_cast<std::int64_t>(results.active_functions.size()));
   if (results.time_series) write_time_series(file, *results.time_series);
   if (results.surface) write_surface(file, *results.surface);
   if (!results.bodies.empty()) write_bodies(file, results.bodies);

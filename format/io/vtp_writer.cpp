@@ -245,6 +245,9 @@ void write_viewer_files(const std::filesystem::path& results_path, const Results
     if (results.eigen) {
       scale = scale_of_mode(parts, step);
       numbers = {{"mode", steps[step]}, {"frequency", results.eigen->frequencies[step]}, {"scale", scale}};
+    } else if (results.buckling) {
+      scale = scale_of_mode(parts, step);
+      numbers = {{"mode", steps[step]}, {"factor", results.buckling->factors[step]}, {"scale", scale}};
     }
     for (std::size_t part = 0; part < parts.size(); ++part)
       write_step(results_path.parent_path() / file(step, part), *parts[part], step, numbers, scale);

@@ -14,7 +14,7 @@ namespace iga {
 
 /// What every results file says about its origin.
 struct ResultsHeader {
-  std::string analysis; ///< eigen | static | explicit | heat
+  std::string analysis; ///< eigen | static | buckling | explicit | heat
   std::string title;    ///< the model's
   std::string length_unit = "unspecified";
   std::string model_file;              ///< base name of the interchange file
@@ -61,19 +61,30 @@ struct EigenResult {
     Elastic = 1,   ///< an ordinary mode
     Mechanism = 2, ///< no strain energy and yet no rigid motion: badly supported functions
   };
-  std::string mass = "consistent";   ///< consistent | lumped | two-pass | three-pass
-  double complete_below = 0;         ///< 1/time: a Sturm count proves that no mode below is missing; 0: not counted
-  std::vector<double> frequencies;   ///< (n_modes), cycles/time; 0 or rounding for rigid modes
-  std::vector<double> omega_squared; ///< (n_modes), 1/time²; as computed, may be slightly negative for rigid modes
-  std::vector<double> residuals;     ///< (n_modes), ‖K φ - ω² M φ‖ relative as the solver's documentation says
-  std::vector<std::uint8_t> kind;    ///< (n_modes), values of Kind
-  std::vector<double> modes;         ///< (n_modes × n_f × 3): coefficients of all active functions, φᵀ M φ = 1
+  std::string mass = "consistent";       ///< consistent | lumped | two-pass | three-pass
+  std::vector<std::string> preload = {}; ///< names of the loads under which the part vibrates; empty: none
+  double complete_below = 0;             ///< 1/time: a Sturm count proves that no mode below is missing; 0: not counted
+  std::vector<double> frequencies;       ///< (n_modes), cycles/time; 0 or rounding for rigid modes
+  std::vector<double> omega_squared;     ///< (n_modes), 1/time²; as computed, may be slightly negative for rigid modes
+  std::vector<double> residuals;  ///< (n_modes), ‖K φ - ω² M φ‖ relative as the solver's documentation says
+  std::vector<std::uint8_t> kind; ///< (n_modes), values of Kind
+  std::vector<double> modes;      ///< (n_modes × n_f × 3): coefficients of all active functions, φᵀ M φ = 1
   /// (n_modes × 3): participation φᵀ M r in translations along x, y, z and in rotations about the axes through the
   /// centre of mass; mass^(1/2), mass^(1/2) · length. Their squares are effective masses. Empty in files before 1.5.
   std::vector<double> participation, rotation_participation;
   Point3 centre_of_mass{}; ///< length
   double total_mass = 0;
   Point3 total_inertia{}; ///< about the axes x, y, z through the centre of mass; mass · length²
+};
+
+/// Linear buckling: factors on the loads at which the part has a second equilibrium beside the first.
+struct BucklingResult {
+  double complete_below = 0; ///< a Sturm count proves that no factor between 0 and this one is missing; 0: not counted
+  std::vector<std::string> growing;  ///< names of the loads that the factor multiplies
+  std::vector<std::string> constant; ///< of those that stay as they are
+  std::vector<double> factors;       ///< (n_modes): positive ones, then negative ones, each ascending in size
+  std::vector<double> residuals;     ///< (n_modes), ‖K φ + λ L φ‖ / ‖λ L φ‖
+  std::vector<double> modes;         ///< (n_modes × n_f × 3): coefficients of all active functions
 };
 
 /// What holds the part on one region.
@@ -247,6 +258,7 @@ struct Results {
   std::optional<EigenResult> eigen;
   std::optional<StaticResult> statics;
   std::optional<HeatResult> heat = {};
+  std::optional<BucklingResult> buckling = {};
   std::optional<TimeSeries> time_series;
   std::optional<SurfaceResult> surface;
   std::vector<BodyResult> bodies = {};   ///< explicit, and where there are several

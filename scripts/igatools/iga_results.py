@@ -21,7 +21,7 @@ from igatools.iga_schema import FormatError, text_of  # noqa: E402
 SCHEMA = iga_schema.load("results")
 FIELDS = iga_schema.load("fields")
 KINDS = {number: name for name, number in SCHEMA["enum"]["kind"].items()}
-PARTS = {"eigen": "/eigen", "static": "/static", "explicit": "/time_series", "heat": "/heat"}
+PARTS = {"eigen": "/eigen", "static": "/static", "buckling": "/buckling", "explicit": "/time_series", "heat": "/heat"}
 
 
 class Fields:
@@ -165,6 +165,8 @@ def summary(results):
         report["frequencies"] = results["/frequencies"].tolist()
         report["kinds"] = results.kinds()
         report["largest_residual"] = float(results["/eigen/residual"].max(initial=0))
+    if "/buckling" in results:
+        report["factors"] = results["/buckling/factor"].tolist()
     if "/static" in results:
         report["strain_energy"] = float(results.attribute("/static", "strain_energy"))
         report["reactions"] = dict(zip(results.texts("/static/supports/name"),

@@ -114,6 +114,8 @@ def normalised(values, colour):
 
 
 def frequency_text(shapes, step):
+    if shapes.results.analysis == "buckling":
+        return f"factor {shapes.results['/buckling/factor'][step]:.5g}"
     if step in shapes.told:
         return shapes.told[step]
     kind = shapes.results.kinds()[step]
@@ -122,9 +124,11 @@ def frequency_text(shapes, step):
 
 
 def draw_sheet(shapes, colour, scale, sight, file):
-    steps = shapes.results.elastic()[:SHEET]
+    buckling = shapes.results.analysis == "buckling"
+    steps = (list(range(len(shapes.surface["steps"]))) if buckling else shapes.results.elastic())[:SHEET]
     if not steps:
-        sys.exit("render.py: the file holds no elastic mode; ask igasolve for more with --modes")
+        sys.exit("render.py: the file holds no buckling mode" if buckling else
+                 "render.py: the file holds no elastic mode; ask igasolve for more with --modes")
     columns = min(COLUMNS, len(steps))
     rows = -(-len(steps) // columns)
     head, foot, caption = 130, 110, 46
@@ -143,7 +147,7 @@ def draw_sheet(shapes, colour, scale, sight, file):
         figure.text((column + 0.5) * TILE[0] / width, (bottom + 0.55 * caption) / height,
                     f"mode {step + 1}:  {frequency_text(shapes, step)}", fontsize=19, color="#20242a", ha="center",
                     va="center")
-    figure.text(36 / width, 1 - 46 / height, f"{shapes.title}: the first {len(steps)} elastic modes", fontsize=26,
+    figure.text(36 / width, 1 - 46 / height, f"{shapes.title}: the first {len(steps)} {'buckling' if buckling else 'elastic'} modes", fontsize=26,
                 weight="bold", color="#20242a", va="center")
     figure.text(36 / width, 1 - 96 / height, describe(shapes), fontsize=17, color="#4a5058", va="center")
     bar_axes = figure.add_axes([0.32, 70 / height, 0.36, 20 / height])
@@ -154,11 +158,16 @@ def draw_sheet(shapes, colour, scale, sight, file):
 
 
 def describe(shapes):
+    unknowns = f"{int(shapes.results.attribute('/functions', 'unknowns')):,} unknowns"
+    if shapes.results.analysis == "buckling":
+        constant = shapes.results.texts("/buckling/constant")
+        return (f"{unknowns}; factors on: {', '.join(shapes.results.texts('/buckling/growing')) or 'prescribed displacements'}"
+                + (f"; constant: {', '.join(constant)}" if constant else ""))
     rigid = shapes.results.kinds().count("RIGID")
     found = f"{rigid} rigid modes" if rigid != 1 else "1 rigid mode"
     mass = shapes.results.attribute("/eigen", "mass")
     unit = "" if shapes.told else "; frequencies in cycles per unit of time"
-    return f"{int(shapes.results.attribute('/functions', 'unknowns')):,} unknowns, {mass} mass, {found}{unit}"
+    return f"{unknowns}, {mass} mass, {found}{unit}"
 
 
 def draw_mode(shapes, step, colour, scale, sight, file):
@@ -197,7 +206,7 @@ def draw(arguments, folder):
         shapes = Shapes(arguments.file)
     except (OSError, iga_results.FormatError) as error:
         sys.exit(f"render.py: {arguments.file}: {error}")
-    if shapes.results.analysis != "eigen":
+    if shapes.results.analysis not in ("eigen", "buckling"):
         if arguments.mode:
             sys.exit(f"render.py: {arguments.file}: holds no modes; leave out --mode")
         if shapes.results.analysis == "heat":

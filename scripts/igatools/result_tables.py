@@ -1,4 +1,4 @@
-"""Tables of a results file: frequencies; reactions, loads, probes, points; series of explicit runs; surfaces with fields."""
+"""Tables of a results file: frequencies; factors; reactions, loads, probes, points; series of explicit runs; surfaces with fields."""
 import numpy as np
 
 from igatools.iga_results import SCHEMA
@@ -28,6 +28,9 @@ def result_tables(results):
                .add("/eigen/omega_squared").plain("kind", [kind.lower() for kind in results.kinds()]).add("/eigen/residual"))
         if "/eigen/participation" in results:
             yield participation_table(results, of("participation"))
+    elif results.analysis == "buckling":
+        yield (of("factors").plain("mode", np.arange(1, len(results["/buckling/factor"]) + 1)).add("/buckling/factor")
+               .add("/buckling/residual"))
     elif results.analysis == "static":
         yield added(of("reactions"), "/static/supports", ("name", "method", *FORCES))
         yield added(of("loads"), "/static/loads", ("name", "kind", *FORCES))

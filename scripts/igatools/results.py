@@ -53,6 +53,16 @@ class Results(Labels, iga_results.Results):
         self._expect("explicit", "times")
         return self["/fields/time"] if self.num_fields() else np.zeros(0)
 
+    @property
+    def factors(self):
+        """Factors on the loads at which the part buckles: (n_factors); positive ones, then negative ones, ascending in size."""
+        self._expect("buckling", "buckling factors")
+        return self["/buckling/factor"]
+
+    @property
+    def _shapes(self):
+        return "/buckling/modes" if self.analysis == "buckling" else "/modes"
+
     def _expect(self, analysis, what):
         if self.analysis != analysis:
             raise ValueError(f"{self.path}: holds the results of an analysis '{self.analysis}'; only '{analysis}' has {what}")
@@ -84,19 +94,19 @@ class Results(Labels, iga_results.Results):
 
     def coefficients(self, mode=None, step=None, body=None):
         """Coefficients of the displacement, those of the model's functions: (n_functions, 3), length. `mode` counts the modes of
-        an analysis 'eigen' from 0, `step` the fields of an explicit run, from 0 or, below 0, from the last one."""
+        an analysis 'eigen' or 'buckling' from 0, `step` the fields of an explicit run, from 0 or, below 0, from the last one."""
         return self._field(mode, step, body)[1]
 
     def _number(self, mode, step):
         """Number of the field that mode or step ask for; the one that belongs to another analysis must be left out."""
         asked = {"mode": mode, "step": step}
-        wanted = {"eigen": "mode", "explicit": "step"}.get(self.analysis)
+        wanted = {"eigen": "mode", "buckling": "mode", "explicit": "step"}.get(self.analysis)
         if {name for name, number in asked.items() if number is not None} != ({wanted} if wanted else set()):
             raise ValueError(f"{self.path}: results of an analysis '{self.analysis}', expected "
                              + (f"{wanted}=<number> and nothing else" if wanted else "neither mode nor step"))
         if self.analysis == "explicit" and not self.num_fields():
             raise ValueError(f"{self.path}: the run wrote no fields; set field_interval in [output] of the run file")
-        count = self.num_fields() or (len(self["/modes"]) if wanted else 1)
+        count = self.num_fields() or (len(self[self._shapes]) if wanted else 1)
         number = asked[wanted] if wanted else 0
         if not -count <= number < count:
             raise IndexError(f"{self.path}: {wanted} is {number}, expected one of 0 … {count - 1}")
@@ -110,7 +120,7 @@ class Results(Labels, iga_results.Results):
             return fields.mesh[f"{body}/active_functions"], fields[f"{body}/coefficients"]
         if self.analysis == "heat":
             raise ValueError(f"{self.path}: results of an analysis 'heat' hold temperatures, no displacements")
-        return self["/functions/active"], self["/modes"][number] if self.analysis == "eigen" else self["/static/displacement"]
+        return self["/functions/active"], self["/static/displacement"] if self.analysis == "static" else self[self._shapes][number]
 
     def displacement(self, points, mode=None, step=None, body=None):
         """Displacements at points of the undeformed solid: (n, 3), length; nan where a point lies outside it.
@@ -200,6 +210,9 @@ class Results(Labels, iga_results.Results):
             elastic = self.frequencies[self.elastic()]
             lines.append(f"  modes      {len(self.frequencies)}, of which {len(elastic)} elastic: "
                          + ", ".join(f"{f:.6g}" for f in elastic[:4]) + (", …" if len(elastic) > 4 else ""))
+        elif self.analysis == "buckling":
+            lines.append(f"  buckling   under {', '.join(self.texts('/buckling/growing'))}; factors "
+                         + ", ".join(f"{factor:.6g}" for factor in self.factors[:4]) + (", …" if len(self.factors) > 4 else ""))
         elif self.analysis == "static":
             lines.append(f"  static     supports {', '.join(self.texts('/static/supports/name'))}; "
                          f"loads {', '.join(self.texts('/static/loads/name'))}; strain energy "

@@ -2,9 +2,11 @@
 
 #include "format/model/errors.hpp"
 #include "solver/analysis/advice.hpp"
+#include "solver/analysis/buckling_analysis.hpp"
 #include "solver/analysis/field_errors.hpp"
 #include "solver/base/stopwatch.hpp"
 #include "solver/linalg/stage_progress.hpp"
+#include "solver/mechanics/geometric_stiffness.hpp"
 #include "solver/mechanics/largest_eigenvalue.hpp"
 #include "solver/mechanics/rigid_modes.hpp"
 
@@ -15,15 +17,16 @@ namespace iga::solve {
 namespace {
 
 // Why errors of modes cannot be estimated; empty where they can.
-std::string no_errors(const RunSettings& run, const BodySystem& system) {
+std::string no_errors(const RunSettings& run, const EigenSettings& settings, const BodySystem& system) {
   if (run.mass != MassType::Consistent) return "the estimate is that of the consistent mass";
+  if (settings.prestress) return "the estimate knows no prestress";
   return no_field_errors(system);
 }
 
 void estimate_errors(const RunSettings& run, const EigenSettings& settings, const BoundSystem& bound,
                      EigenOutcome& outcome) {
   if (!settings.errors.value_or(true)) return;
-  if (const std::string reason = no_errors(run, outcome.system); !reason.empty()) {
+  if (const std::string reason = no_errors(run, settings, outcome.system); !reason.empty()) {
     if (settings.errors) outcome.warnings.push_back("errors of the modes are not estimated: " + reason);
     return;
   }
@@ -37,13 +40,56 @@ void estimate_errors(const RunSettings& run, const EigenSettings& settings, cons
   watch.stage("errors");
 }
 
+// Adds the preload's stiffness to the system's.
+void preload_system(const RunSettings& run, PreparedSystem& system, EigenOutcome& outcome) {
+  const StaticSettings& statics = run.statics;
+  if (statics.loads.empty() && statics.bolts.empty() && !statics.temperature)
+    throw InputError("prestress: the run has no loads; add a [[load]] to the run file, or leave prestress out");
+  Stopwatch watch(system.timings);
+  outcome.preload = make_preload(run, all_of(statics), system.bodies, system.bound.K.shared_connectivity());
+  add_scaled(outcome.preload->stiffness, 1, system.bound.K);
+  const std::vector<std::string>& warnings = outcome.preload->warnings;
+  system.warnings.insert(system.warnings.end(), warnings.begin(), warnings.end());
+  watch.stage("preload");
+}
+
+// Why K + L has motions without stiffness: the factor on the loads at which the part buckles, where it is below 1.
+void say_if_buckled(StiffnessMatrix& K, const ConstraintMatrix* constraints, const Preload& preload,
+                    io::Progress* progress) {
+  add_scaled(preload.stiffness, -1, K);
+  const std::optional<double> factor = first_factor(K, constraints, preload, progress);
+  if (factor && *factor <= 1)
+    throw InputError(fmt::format("the part buckles under its loads: K + K_G is not positive definite, and modes about "
+                                 "that state do not exist. It buckles at {:.4g} times these loads (igasolve buckling "
+                                 "shows how); give smaller loads, or hold the part in more places",
+                                 *factor));
+}
+
+// A preloaded part has no rigid modes: its supports hold it.
+ModeSet preloaded_modes(const EigenProblem& problem, const EigenSettings& settings, const Preload& preload,
+                        StiffnessMatrix& K) {
+  try {
+    ModeSet modes = lowest_modes(problem, settings);
+    if (modes.lambda.minCoeff() > 0) return modes;
+  } catch (const NumericalError&) {
+    say_if_buckled(K, problem.constraints, preload, problem.progress);
+    throw;
+  }
+  say_if_buckled(K, problem.constraints, preload, problem.progress);
+  throw NumericalError("a mode has a negative omega² although the loads stay below the buckling load: rounding");
+}
+
 EigenOutcome find_modes(const RunSettings& run, const EigenSettings& settings, std::span<const TrimmedModel> models) {
   if (settings.largest) refuse_multipliers(run);
+  if (settings.largest && settings.prestress)
+    throw InputError("prestress: the largest eigenfrequency is asked for, which loads hardly change; leave prestress "
+                     "or largest out");
   PreparedSystem system = prepare_system(run, models);
   EigenOutcome outcome;
+  if (settings.prestress) preload_system(run, system, outcome);
   hand_over(system, outcome);
   outcome.constraints = system.bound.constraints.rows();
-  const StiffnessMatrix& K = system.bound.K;
+  StiffnessMatrix& K = system.bound.K;
   const Bodies bodies = separate_bodies(K.pattern());
   outcome.bodies = bodies.count;
   if (settings.largest) {
@@ -61,9 +107,11 @@ EigenOutcome find_modes(const RunSettings& run, const EigenSettings& settings, s
     problem.progress = run.progress;
     problem.mass = &system.M;
     problem.constraints = outcome.constraints > 0 ? &system.bound.constraints : nullptr;
-    problem.motions = rigid_motions(outcome.system, bodies);
+    problem.motions = outcome.preload ? Eigen::MatrixXd(K.size(), 0) : rigid_motions(outcome.system, bodies);
     problem.lambda_scale = lambda_scale(outcome.system);
-    outcome.modes = lowest_modes(problem, settings);
+    outcome.modes =
+        outcome.preload ? preloaded_modes(problem, settings, *outcome.preload, K) : lowest_modes(problem, settings);
+    if (outcome.preload) outcome.preload->stiffness = {};
     outcome.timings.insert(outcome.timings.end(), outcome.modes.timings.begin(), outcome.modes.timings.end());
     outcome.warnings.insert(outcome.warnings.end(), outcome.modes.warnings.begin(), outcome.modes.warnings.end());
     outcome.participation = participation(outcome.system, system.M, outcome.modes.vectors);

@@ -12,7 +12,8 @@ struct EigenSettings {
   std::optional<bool> sturm; ///< prove by a Sturm count that none was missed; default: below sturm_default unknowns
   /// Estimate the errors of elastic modes from what they leave of the equations; default: where it can be done.
   std::optional<bool> errors = std::nullopt;
-  int block = 4; ///< Lanczos vectors at a time
+  bool prestress = false; ///< modes about the state that the run's loads bring the part into
+  int block = 4;          ///< Lanczos vectors at a time
   /// Instead of `modes`: all elastic modes below this frequency (cycles per time), at least the first one.
   std::optional<double> modes_below = std::nullopt;
 };

@@ -7,6 +7,7 @@
 #include "solver/base/stopwatch.hpp"
 #include "solver/linalg/free_memory.hpp"
 #include "solver/linalg/lanczos.hpp"
+#include "solver/linalg/product_rounding.hpp"
 #include "solver/linalg/stage_progress.hpp"
 #include "solver/mechanics/rigid_modes.hpp"
 
@@ -479,7 +480,7 @@ class Search {
                                           doubt));
     const double worst = set_.residual.tail(set_.lambda.size() - rigid).maxCoeff();
     for (Index k = 0; k < set_.lambda.size() && worst > residual_limit; ++k)
-      rounding = std::max(rounding, product_rounding(diagonal, set_.vectors.col(k)) /
+      rounding = std::max(rounding, product_rounding(problem_.stiffness->pattern(), diagonal, set_.vectors.col(k)) /
                                         (std::max(std::abs(set_.lambda[k]), first_elastic) * MX.col(k).norm()));
     if (worst > residual_limit && worst <= rounding)
       set_.warnings.push_back(fmt::format("the residual of an eigenpair is {:.2g}: rounding allows no better here, as "
@@ -490,24 +491,6 @@ class Search {
       throw NumericalError(fmt::format("the residual of an eigenpair is {:.2g}, at most {:g} is allowed: functions on "
                                        "slivers cause spurious low modes, or are dependent to rounding",
                                        worst, residual_limit));
-  }
-
-  // What rounding may leave of K x: each entry of K is at most √(K_ii K_jj), and as wrong as one in the last place.
-  double product_rounding(const VectorXd& diagonal, const Eigen::Ref<const VectorXd>& x) const {
-    const NodePattern& pattern = problem_.stiffness->pattern();
-    const VectorXd root = diagonal.cwiseMax(0).cwiseSqrt(), size = root.cwiseProduct(x.cwiseAbs());
-    VectorXd node(pattern.num_nodes()), sums = VectorXd::Zero(pattern.num_nodes());
-    for (Index i = 0; i < node.size(); ++i) node[i] = size.segment<3>(3 * i).sum();
-    for (Index j = 0; j < node.size(); ++j)
-      for (auto k = static_cast<std::size_t>(pattern.offsets[static_cast<std::size_t>(j)]);
-           k < static_cast<std::size_t>(pattern.offsets[static_cast<std::size_t>(j) + 1]); ++k) {
-        const Index i = pattern.rows[k];
-        sums[i] += node[j];
-        if (i != j) sums[j] += node[i];
-      }
-    double total = 0;
-    for (Index i = 0; i < root.size(); ++i) total += std::pow(root[i] * sums[i / 3], 2);
-    return 4 * std::numeric_limits<double>::epsilon() * std::sqrt(total);
   }
 
   static void orient(Eigen::Ref<VectorXd> x) {

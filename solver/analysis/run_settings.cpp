@@ -6,6 +6,7 @@
 #include "solver/base/run_tables.hpp"
 #include "solver/ties/read_ties.hpp"
 
+#include <algorithm>
 #include <array>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -55,7 +56,7 @@ MaterialPlace place_of_material(const TypedBody& body) {
 
 void need_density(const TypedRun& typed, Analysis analysis, const std::string& body, const MaterialPlace& place) {
   if (analysis == Analysis::Heat) return;
-  if (analysis != Analysis::Static)
+  if (analysis == Analysis::Eigen || analysis == Analysis::Timestep)
     throw InputError(fmt::format("{}: the density is missing; give {}", place.subject, place.rho));
   if (typed.statics.inertia_relief)
     throw InputError(
@@ -185,7 +186,8 @@ std::vector<io::TableKeys> run_keys() {
       {"material", {"name", "E", "nu", "rho", "C", "expansion", "conductivity"}},
       {"bodies", {"light_functions", "light_threshold"}},
       {"bodies.material", {"law", "name", "E", "nu", "rho", "C", "expansion", "conductivity"}},
-      {"eigen", {"modes", "modes_below", "largest", "sturm", "errors"}},
+      {"eigen", {"modes", "modes_below", "largest", "sturm", "errors", "prestress"}},
+      {"buckling", {"factors", "negative", "constant", "sturm"}},
       {"results", {"subdivide", "viewer"}},
       {"load", {"body"}},
       {"support",
@@ -195,6 +197,29 @@ std::vector<io::TableKeys> run_keys() {
        {load_keys("load"), region_keys("support"), place_keys("support"), body_file_keys(), tie_keys()})
     keys.insert(keys.end(), more.begin(), more.end());
   return keys;
+}
+
+// @param statics  of the run, to know the loads that stay constant
+TypedBuckling read_buckling(io::SettingsTable table, const StaticSettings& statics) {
+  TypedBuckling buckling;
+  buckling.factors = table.integer("factors");
+  buckling.negative = table.boolean("negative");
+  buckling.sturm = table.boolean("sturm");
+  if (table.holds_text("constant"))
+    buckling.constant = {*table.text("constant")};
+  else if (const auto names = table.texts("constant"))
+    buckling.constant = *names;
+  std::vector<std::string> known;
+  for (const Load& load : statics.loads) known.push_back(load.name);
+  for (const Bolt& bolt : statics.bolts) known.push_back(bolt.name);
+  for (const std::string& name : buckling.constant) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    const auto near = io::nearest_name(name, known);
+    refuse(table, "constant",
+           fmt::format("found \"{}\", which no [[load]] and no [[bolt]] has for its name; expected some of: {}{}", name,
+                       fmt::join(known, ", "), near ? fmt::format("; did you mean {}?", *near) : ""));
+  }
+  return buckling;
 }
 
 TypedMaterial read_material(io::SettingsTable& table) {
@@ -277,12 +302,14 @@ TypedRun read_run_file(const std::filesystem::path& file) {
   t.largest = eigen.boolean("largest");
   t.sturm = eigen.boolean("sturm");
   t.errors = eigen.boolean("errors");
+  t.prestress = eigen.boolean("prestress");
   io::SettingsTable results = root.table("results");
   t.subdivide = results.integer("subdivide");
   t.viewer = results.boolean("viewer");
   t.supports = read_supports(root);
   t.statics = read_static_settings(root);
   t.heat = read_heat(root);
+  t.buckling = read_buckling(root.table("buckling"), t.statics);
   root.refuse_unknown_keys();
   return t;
 }
@@ -319,6 +346,10 @@ TypedRun override_run(TypedRun t, const TypedRun& flags) {
   take(t.largest, flags.largest);
   take(t.sturm, flags.sturm);
   take(t.errors, flags.errors);
+  take(t.prestress, flags.prestress);
+  take(t.buckling.factors, flags.buckling.factors);
+  take(t.buckling.negative, flags.buckling.negative);
+  take(t.buckling.sturm, flags.buckling.sturm);
   take(t.subdivide, flags.subdivide);
   take(t.viewer, flags.viewer);
   return t;
@@ -372,6 +403,11 @@ RunSettings validate_run(const TypedRun& typed, Analysis analysis) {
   run.eigen.modes_below = typed.modes_below;
   run.eigen.sturm = typed.sturm;
   run.eigen.errors = typed.errors;
+  run.eigen.prestress = typed.prestress.value_or(false);
+  if (typed.buckling.factors) run.buckling.factors = whole("factors", *typed.buckling.factors, 1, 1000);
+  run.buckling.negative = typed.buckling.negative.value_or(false);
+  run.buckling.constant = typed.buckling.constant;
+  run.buckling.sturm = typed.buckling.sturm;
   if (typed.subdivide) run.subdivide = whole("subdivide", *typed.subdivide, 1, 64);
   run.viewer = typed.viewer.value_or(true);
   return run;

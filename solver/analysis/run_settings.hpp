@@ -1,6 +1,7 @@
 // What an analysis is asked to do: flags and run file (TOML) as typed, then one complete, checked struct.
 #pragma once
 
+#include "solver/analysis/buckling_settings.hpp"
 #include "solver/analysis/eigen_settings.hpp"
 #include "solver/analysis/heat_settings.hpp"
 #include "solver/mechanics/mass_type.hpp"
@@ -21,7 +22,7 @@ class Progress;
 
 namespace iga::solve {
 
-enum class Analysis { Eigen, Timestep, Static, Heat };
+enum class Analysis { Eigen, Timestep, Static, Heat, Buckling };
 
 /// [material], or the material of one of [[bodies]], as typed.
 struct TypedMaterial {
@@ -40,6 +41,13 @@ struct TypedBody {
   std::optional<double> light_threshold;
 };
 
+/// [buckling], as typed.
+struct TypedBuckling {
+  std::optional<std::int64_t> factors;
+  std::optional<bool> negative, sturm;
+  std::vector<std::string> constant; ///< run files only; each of them is the name of a load
+};
+
 /// Settings as typed: nothing is filled in yet. Names are those of the flags with underscores.
 struct TypedRun {
   std::optional<std::filesystem::path> model, output;
@@ -51,7 +59,8 @@ struct TypedRun {
   const UnitSystem* unit = nullptr; ///< by complete_materials: that of the numbers; null where nobody asks for one
   std::optional<std::int64_t> modes, subdivide;
   std::optional<double> modes_below; ///< cycles per time
-  std::optional<bool> largest, sturm, errors, viewer;
+  std::optional<bool> largest, sturm, errors, prestress, viewer;
+  TypedBuckling buckling;
   std::vector<TypedBody> bodies;       ///< run files only
   std::vector<Tie> ties;               ///< run files only
   std::vector<Support> supports;       ///< run files only
@@ -83,6 +92,7 @@ struct RunSettings {
   std::vector<Tie> ties;
   std::vector<Support> supports;
   EigenSettings eigen;
+  BucklingSettings buckling;
   StaticSettings statics;
   std::vector<HeatBoundary> heat = {};
   int subdivide = 2;                ///< surface output: longest edge at most span / subdivide

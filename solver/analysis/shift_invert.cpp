@@ -19,35 +19,18 @@ ShiftInvert::ShiftInvert(const EigenProblem& problem, double shift) : problem_(p
     system.mass = problem.mass->matrix();
   else
     system.lumped_mass = problem.mass->masses();
-  if (problem.constraints && problem.constraints->rows() > 0) {
-    system.constraints = problem.constraints;
-    factor_ = factorise_indefinite(system);
-  } else {
-    factor_ = factorise_positive_definite(system);
-  }
+  system.constraints = problem.constraints;
+  factor_ = std::make_unique<ConstrainedSolver>(system);
 }
 
 void ShiftInvert::apply(const double* F, double* X, int columns) const {
   if (problem_.mass->passes() == 1) {
-    solve_factor(F, X, columns);
+    factor_->solve(F, X, columns);
     if (factor_->added_to_diagonal() > 0) refine(F, X, columns);
     return;
   }
   const auto n = problem_.mass->size();
   for (int c = 0; c < columns; ++c) conjugate_gradients(F + c * n, X + c * n);
-}
-
-void ShiftInvert::solve_factor(const double* F, double* X, int columns) const {
-  const auto n = problem_.mass->size(), size = factor_->size();
-  if (size == n) {
-    factor_->solve(F, X, columns);
-    return;
-  }
-  bordered_ = MatrixXd::Zero(size, columns);
-  solution_.resize(size, columns);
-  bordered_.topRows(n) = Map<const MatrixXd>(F, n, columns);
-  factor_->solve(bordered_.data(), solution_.data(), columns);
-  Map<MatrixXd>(X, n, columns) = solution_.topRows(n);
 }
 
 // X += (K - σ M + δ)⁻¹ (F - (K - σ M) X), a fixed number of times: a polynomial of the factor's inverse and the matrix,
@@ -60,7 +43,7 @@ void ShiftInvert::refine(const double* F, double* X, int columns) const {
   for (int step = 0; step < steps; ++step) {
     const MatrixXd defect = Map<const MatrixXd>(F, n, columns) - columns_of(*problem_.stiffness, solution) +
                             shift_ * columns_of(*problem_.mass, solution);
-    solve_factor(defect.data(), correction.data(), columns);
+    factor_->solve(defect.data(), correction.data(), columns);
     solution += correction;
   }
 }
@@ -70,13 +53,6 @@ void ShiftInvert::apply_refined(const double* F, double* X, int columns) const {
   if (problem_.mass->passes() == 1 && factor_->added_to_diagonal() == 0) refine(F, X, columns);
 }
 
-VectorXd ShiftInvert::constraint_forces(const VectorXd& f) const {
-  VectorXd x(f.size());
-  solve_factor(f.data(), x.data(), 1);
-  if (factor_->size() == f.size()) return VectorXd::Zero(f.size());
-  return problem_.constraints->transpose() * solution_.col(0).tail(factor_->size() - f.size());
-}
-
 void ShiftInvert::conjugate_gradients(const double* f, double* x) const {
   constexpr int most_steps = 200;
   constexpr double tolerance = 1e-13; // in the energy norm: four digits more than Lanczos asks of its vectors
@@ -84,7 +60,7 @@ void ShiftInvert::conjugate_gradients(const double* f, double* x) const {
   Map<VectorXd> X(x, n);
   VectorXd r = Map<const VectorXd>(f, n), z(n), p, Ap(n), Mp(n);
   X.setZero();
-  solve_factor(r.data(), z.data(), 1);
+  factor_->solve(r.data(), z.data(), 1);
   p = z;
   double rz = r.dot(z);
   const double small = tolerance * tolerance * rz;
@@ -95,7 +71,7 @@ void ShiftInvert::conjugate_gradients(const double* f, double* x) const {
     const double alpha = rz / p.dot(Ap);
     X += alpha * p;
     r -= alpha * Ap;
-    solve_factor(r.data(), z.data(), 1);
+    factor_->solve(r.data(), z.data(), 1);
     const double next = r.dot(z);
     p = z + (next / rz) * p;
     rz = next;

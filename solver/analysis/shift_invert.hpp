@@ -2,6 +2,7 @@
 #pragma once
 
 #include "solver/analysis/eigen_solver.hpp"
+#include "solver/linalg/constrained_solver.hpp"
 
 namespace iga::solve {
 
@@ -19,20 +20,18 @@ class ShiftInvert {
   void apply_refined(const double* F, double* X, int columns) const;
   /// Cᵀ μ: the forces of the constraints that balance f, where they can; nothing else is left of the reactions to an
   /// eigenpair's K x - ω² M x. Zero without constraints.
-  Eigen::VectorXd constraint_forces(const Eigen::VectorXd& f) const;
+  Eigen::VectorXd constraint_forces(const Eigen::VectorXd& f) const { return factor_->constraint_forces(f); }
   FactorCost cost() const { return factor_->cost(); }
   /// LinearSolver::added_to_diagonal: above 0 where rounding left the shifted system indefinite.
   double added_to_diagonal() const { return factor_->added_to_diagonal(); }
 
  private:
-  void solve_factor(const double* F, double* X, int columns) const;
   void refine(const double* F, double* X, int columns) const;
   void conjugate_gradients(const double* f, double* x) const;
 
   const EigenProblem& problem_;
   double shift_;
-  std::unique_ptr<LinearSolver> factor_;
-  mutable Eigen::MatrixXd bordered_, solution_;
+  std::unique_ptr<ConstrainedSolver> factor_;
 };
 
 } // namespace iga::solve

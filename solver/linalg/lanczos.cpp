@@ -40,9 +40,10 @@ class Basis {
     MatrixXd W(n_, block_), BW(n_, block_);
     for (Index c = 0; c < block_; ++c) W.col(c) = random_vector();
     problem_.B(W.data(), BW.data(), static_cast<int>(block_));
-    problem_.F(BW.data(), W.data(), static_cast<int>(block_));
+    MatrixXd FBW(n_, block_);
+    apply(W.data(), BW.data(), FBW.data(), block_);
     first_ = end_ = 0;
-    append(W, Eigen::VectorXd::Zero(block_));
+    append(FBW, Eigen::VectorXd::Zero(block_));
     end_ = new_end_;
   }
 
@@ -50,7 +51,7 @@ class Basis {
   bool step() {
     const Index b = end_ - first_;
     MatrixXd W(n_, b);
-    problem_.F(BV_.col(first_).data(), W.data(), static_cast<int>(b));
+    apply(V_.col(first_).data(), BV_.col(first_).data(), W.data(), b);
     applied_ += b;
     MatrixXd h = MatrixXd::Zero(end_, b);
     for (int pass = 0; pass < 2; ++pass) {
@@ -120,6 +121,14 @@ class Basis {
   }
 
  private:
+  // Y = F B X.
+  void apply(const double* X, const double* BX, double* Y, Index columns) const {
+    if (problem_.FB)
+      problem_.FB(X, Y, static_cast<int>(columns));
+    else
+      problem_.F(BX, Y, static_cast<int>(columns));
+  }
+
   Eigen::VectorXd random_vector() {
     Eigen::VectorXd x(n_);
     // Uniform in [-1, 1) from the generator's own bits: the same with every standard library.

@@ -15,6 +15,7 @@ using BlockOperator = std::function<void(const double* x, double* y, int columns
 struct LanczosProblem {
   std::int64_t size = 0;
   BlockOperator F, B;
+  BlockOperator FB; ///< x → F B x, where that is cheaper than one after the other; F is not asked for then
   const Eigen::MatrixXd* locked = nullptr;   ///< (size × k): B-orthonormal; what is found is B-orthogonal to them
   const Eigen::MatrixXd* B_locked = nullptr; ///< B times these
   Eigen::VectorXd start_scale;               ///< (size): of the random start vectors; empty: 1

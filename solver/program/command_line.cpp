@@ -20,6 +20,7 @@ const char* const footer = R"(Examples:
   igasolve timestep part.h5 --E 210 --nu 0.3 --rho 7.8e-6
   igasolve static run.toml -o static.h5
   igasolve heat run.toml -o heat.h5                      steady temperatures; static reads them
+  igasolve buckling run.toml -o buckling.h5              factors on the loads at which the part buckles
   igasolve explicit impact.toml -o impact.h5             impact and crush; igasolve explicit --help shows a run file
   igasolve export modes.h5 --csv                         frequencies, series, probes, fields as tables
 
@@ -32,8 +33,8 @@ const char* const analysis_footer =
     R"(Any consistent set of units: E in force/length², rho in mass/length³, frequencies in cycles per time. The run file
 (.toml) holds the flags' names with underscores: model, output, units, unit_system, material, materials, mass,
 light_functions, light_threshold; [material] name, E, nu, rho or C, expansion, conductivity; [eigen] modes or modes_below,
-largest, sturm, errors; [results] subdivide, viewer; [[support]], [[load]], [[probe]]. Loads of the whole part: body_force,
-acceleration, centrifugal = { axis, point, speed or rpm, angular_acceleration }. [[case]] name, loads, prescribed; [temperature]
+largest, sturm, errors, prestress; [buckling] factors, negative, constant, sturm; [results] subdivide, viewer; [[support]],
+[[load]], [[probe]]. Loads of the whole part: body_force, acceleration, centrifugal = { axis, point, speed or rpm, angular_acceleration }. [[case]] name, loads, prescribed; [temperature]
 uniform, formula, file or results, reference; [[bolt]] plane, force, box, length; inertia_relief; [[heat]] temperature, flux,
 power, convection or source.
 Several bodies, instead of model: [[bodies]] name, model, material, place, light_functions, light_threshold; [[ties]] name,
@@ -138,6 +139,19 @@ void add_results(CLI::App& sub, TypedRun& t) {
       ->group(results);
 }
 
+CLI::App* add_buckling(CLI::App& app, Raw& raw, AnalysisCommand& c) {
+  CLI::App* sub = add_analysis(app, "buckling", "Factors on the loads at which the part buckles", raw, c);
+  TypedBuckling& buckling = c.typed.buckling;
+  sub->add_option("--factors", buckling.factors, "Number of factors [5]")->type_name("N")->group("Method");
+  io::add_switch(*sub, "--negative,!--no-negative", buckling.negative, "Those of the reversed loads too [no]")
+      ->group("Method");
+  io::add_switch(*sub, "--sturm,!--no-sturm", buckling.sturm,
+                 "Prove by a Sturm count that no factor is missing [below 100 000 unknowns]")
+      ->group("Method");
+  add_results(*sub, c.typed);
+  return sub;
+}
+
 CLI::App* add_explicit(CLI::App& app, Raw& raw, ExplicitCommand& c) {
   CLI::App* sub = app.add_subcommand("explicit", "Impact, crush, waves: explicit dynamics with contact");
   sub->add_option("run", raw.file, "Run file (.toml)")->type_name("FILE")->required();
@@ -167,6 +181,7 @@ CLI::App* add_export(CLI::App& app, Raw& raw, ExportCommand& c) {
   eigen      frequencies, participation, surface, triangles
   static     reactions, loads, cases, probes, points, surface, triangles
   heat       heat, probes, surface, triangles
+  buckling   factors, surface, triangles
   explicit   energy, contact_NAME, body_NAME, rigid_NAME, support_NAME, surface_NAME_STEP, triangles_NAME
   model      points, surface_points, spans, functions
 
@@ -194,7 +209,8 @@ void settle_file(const Raw& raw, AnalysisCommand& c) {
 } // namespace
 
 std::optional<Command> parse_command_line(int argc, const char* const* argv) {
-  CLI::App app("Analyses of trimmed solids made by igaprep: eigenmodes, statics, time steps, impact.", "igasolve");
+  CLI::App app("Analyses of trimmed solids made by igaprep: eigenmodes, statics, buckling, time steps, impact.",
+               "igasolve");
   Raw raw;
   AnalysisCommand analysis;
   app.set_version_flag("--version", std::string("igasolve ") + program_version());
@@ -218,6 +234,9 @@ std::optional<Command> parse_command_line(int argc, const char* const* argv) {
   io::add_switch(*eigen, "--errors,!--no-errors", analysis.typed.errors,
                  "Estimate the error of each mode from what it leaves of the equations (degree 2 and more)")
       ->group("Method");
+  io::add_switch(*eigen, "--prestress,!--no-prestress", analysis.typed.prestress,
+                 "Modes of the part under the run file's loads [no]")
+      ->group("Method");
   add_results(*eigen, analysis.typed);
   CLI::App* timestep = add_analysis(app, "timestep", "Largest stable time step of explicit dynamics", raw, analysis);
   add_mass(*timestep, analysis.typed, "lumped");
@@ -226,6 +245,7 @@ std::optional<Command> parse_command_line(int argc, const char* const* argv) {
   CLI::App* heat =
       add_analysis(app, "heat", "Steady temperatures: conduction, fluxes, convection, sources", raw, analysis);
   add_results(*heat, analysis.typed);
+  CLI::App* buckling = add_buckling(app, raw, analysis);
   ExportCommand tables;
   CLI::App* export_app = add_export(app, raw, tables);
   ExplicitCommand dynamics;
@@ -258,6 +278,7 @@ std::optional<Command> parse_command_line(int argc, const char* const* argv) {
   analysis.analysis = *eigen      ? Analysis::Eigen
                       : *timestep ? Analysis::Timestep
                       : *heat     ? Analysis::Heat
+                      : *buckling ? Analysis::Buckling
                                   : Analysis::Static;
   (void)statics;
   analysis.text = io::command_text("igasolve", argc, argv);

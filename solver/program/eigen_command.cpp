@@ -4,6 +4,7 @@
 #include "solver/analysis/timestep_analysis.hpp"
 #include "solver/mechanics/largest_eigenvalue.hpp"
 #include "solver/report/analysis_report.hpp"
+#include "solver/report/preload_report.hpp"
 
 #include <numbers>
 
@@ -54,6 +55,7 @@ Results mode_results(const AnalysisRun& run, const EigenOutcome& outcome) {
   Results results = results_head(run, "eigen", system);
   EigenResult eigen;
   eigen.mass = solve::name_of(run.settings.mass);
+  if (outcome.preload) eigen.preload = outcome.preload->names;
   if (modes.sturm && modes.sturm->shift > 0) eigen.complete_below = std::sqrt(modes.sturm->shift) / two_pi;
   add_participation(outcome.participation, eigen);
   std::vector<double> steps;
@@ -132,6 +134,13 @@ std::string modes_text(const AnalysisRun& run, const EigenOutcome& outcome) {
   add_models(report, run, outcome.system);
   add_regions(report, outcome.regions);
   add_ties(report, outcome.ties);
+  if (outcome.preload) {
+    report.line("prestress", "modes about the state under the loads: (K + K_G) phi = omega^2 M phi");
+    add_preload(report, "preload", run, outcome.system, *outcome.preload);
+  } else if (const StaticSettings& s = run.settings.statics; !s.loads.empty() || !s.bolts.empty() || s.temperature) {
+    report.line("loads",
+                "of the run file: not in these modes; [eigen] prestress = true gives those of the loaded part");
+  }
   report.line("mass", "{:.8g} ({}); {} {}", outcome.mass, solve::name_of(run.settings.mass), outcome.bodies,
               outcome.bodies == 1 ? "body" : "separate bodies");
   report.line("modes", "{} rigid, {} elastic{}", modes.rigid, modes.elastic,
@@ -177,6 +186,8 @@ std::string modes_json(const AnalysisRun& run, const EigenOutcome& outcome) {
   report.add("mass_type", solve::name_of(run.settings.mass)).add("mass", outcome.mass).add("bodies", outcome.bodies);
   report.add("supports", json_of(outcome.regions)).add("constraints", outcome.constraints);
   if (!outcome.ties.empty()) report.add("ties", json_of(outcome.ties));
+  if (outcome.preload) report.add("preload", json_of(run, outcome.system, *outcome.preload));
+  report.add("prestress", outcome.preload.has_value());
   report.add("rigid_modes", modes.rigid).add("mechanisms", modes.mechanisms).add("elastic_modes", modes.elastic);
   report.add("frequencies", frequencies).add("omega_squared", omega_squared).add("residuals", residuals);
   if (modes.sturm) report.add("sturm", json_of(*modes.sturm));

@@ -88,6 +88,8 @@ int run_analysis(const AnalysisCommand& command) {
       return timestep_command(run);
     case Analysis::Heat:
       return heat_command(run);
+    case Analysis::Buckling:
+      return buckling_command(run);
     default:
       return static_command(run);
     }

@@ -88,5 +88,6 @@ int eigen_command(AnalysisRun& run);
 int timestep_command(AnalysisRun& run);
 int static_command(AnalysisRun& run);
 int heat_command(AnalysisRun& run);
+int buckling_command(AnalysisRun& run);
 
 } // namespace iga::solve

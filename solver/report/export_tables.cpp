@@ -82,6 +82,13 @@ void visit_modes(const EigenResult& e, const TableVisitor& visit) {
   visit(table);
 }
 
+void visit_factors(const BucklingResult& b, const TableVisitor& visit) {
+  CsvTable table("factors", b.factors.size());
+  table.add("mode", [](std::size_t row) { return fmt::format("{}", row + 1); });
+  table.numbers("factor", "1", b.factors).numbers("residual", "1", b.residuals);
+  visit(table);
+}
+
 // Sums from the first mode on, as shares of a total. (modes × 3)
 std::vector<double> summed_shares(const std::vector<double>& masses, const Point3& total) {
   std::vector<double> sums = masses;
@@ -255,6 +262,7 @@ void visit_tables(const std::filesystem::path& file, const Results& results, con
   const Units units(results.header.length_unit);
   if (results.eigen) visit_modes(*results.eigen, visit);
   if (results.eigen && !results.eigen->participation.empty()) visit_participation(*results.eigen, units, visit);
+  if (results.buckling) visit_factors(*results.buckling, visit);
   if (results.statics) visit_statics(*results.statics, units, visit);
   if (results.heat) visit_heat(*results.heat, units, visit);
   if (results.time_series) visit_series(*results.time_series, units, visit);

@@ -74,7 +74,7 @@ def main():
     # A name with everything that XML and shells dislike.
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    for kind in ("eigen", "static", "full"):
+    for kind in ("eigen", "static", "buckling", "full"):
         path = folder / f"Teil <1> & 'größe' {kind}.h5"
         subprocess.run([tool, "write", kind, path], check=True)
         compare(path)

@@ -39,8 +39,8 @@ template <class Action> std::string input_error(Action action) {
 TEST(ResultsFile, GivesBackEveryBit) {
   const test::TempFolder folder;
   int number = 0;
-  for (const Results& results :
-       {test::make_eigen_results(box()), test::make_static_results(box()), test::make_full_results(box())}) {
+  for (const Results& results : {test::make_eigen_results(box()), test::make_static_results(box()),
+                                 test::make_buckling_results(box()), test::make_full_results(box())}) {
     const auto file = folder / std::to_string(number++);
     io::write_results(file, results, false);
     test::expect_equal(io::read_results(file), results);

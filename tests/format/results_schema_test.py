@@ -22,13 +22,13 @@ class ResultsSchemaTest(SchemaCases, unittest.TestCase):
     together = ("/provenance/timing_seconds",)  # belongs to timing_stages
     lists = ("/surface/regions", "/time_series/contact_names", "/time_series/body_names", "/time_series/rigid_names",
              "/time_series/support_names", "/body_names", "/provenance/timing_stages", "/provenance/findings",
-             "/provenance/warnings")
+             "/provenance/warnings", "/eigen/preload", "/buckling/growing", "/buckling/constant")
 
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
         cls.path = Path(cls.folder.name)
-        cls.files = [cls.path / f"{kind}.h5" for kind in ("full", "eigen", "static")]
+        cls.files = [cls.path / f"{kind}.h5" for kind in ("full", "eigen", "static", "buckling")]
         for file in cls.files:
             subprocess.run([TOOL, "write", file.stem, file], check=True)
 
@@ -75,11 +75,12 @@ class ResultsSchemaTest(SchemaCases, unittest.TestCase):
 
     def test_command(self):
         command = [sys.executable, SOURCE / "scripts" / "igatools" / "iga_results.py"]
-        for kind in ("eigen", "static", "full"):
+        for kind in ("eigen", "static", "buckling", "full"):
             done = subprocess.run([*command, self.path / f"{kind}.h5", "--json"], capture_output=True, text=True)
             self.assertEqual(done.returncode, 0, done.stderr)
             report = json.loads(done.stdout)
             self.assertEqual(report["model"], "box.h5")
+        self.assertEqual(report["factors"], [2.5, 4, -3])
         self.assertEqual(report["kinds"][6:], ["MECHANISM", "ELASTIC", "ELASTIC"])
         self.assertEqual(report["reactions"]["Wand"], [4, 5, 6])
         self.assertEqual(subprocess.run([*command, "missing.h5"], capture_output=True).returncode, 2)

@@ -15,9 +15,10 @@ namespace {
 
 int write(std::string_view kind, const char* file) {
   const TrimmedModel model = test::make_box_model();
-  const Results results = kind == "static"  ? test::make_static_results(model)
-                          : kind == "eigen" ? test::make_eigen_results(model)
-                                            : test::make_full_results(model);
+  const Results results = kind == "static"     ? test::make_static_results(model)
+                          : kind == "eigen"    ? test::make_eigen_results(model)
+                          : kind == "buckling" ? test::make_buckling_results(model)
+                                               : test::make_full_results(model);
   io::write_results(file, results, false);
   io::write_viewer_files(file, results, false);
   return 0;
@@ -30,7 +31,7 @@ int main(int argc, char** argv) try {
   if (command == "write" && argc == 4) return write(argv[2], argv[3]);
   if (command == "model" && argc == 3) return io::write_model(argv[2], test::make_box_model()), 0;
   if (command == "check" && argc == 3) return io::read_results(argv[2]), 0;
-  std::fputs("usage: synthetic_results_tool write eigen|static|full FILE | model FILE | check FILE\n", stderr);
+  std::fputs("usage: synthetic_results_tool write eigen|static|buckling|full FILE | model FILE | check FILE\n", stderr);
   return 2;
 } catch (const FormatError& error) {
   std::fprintf(stderr, "%s\n", error.what());

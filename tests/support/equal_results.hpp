@@ -43,6 +43,16 @@ inline void expect_equal(const EigenResult& a, const EigenResult& b) {
   EXPECT_EQ(a.total_mass, b.total_mass);
   EXPECT_EQ(a.total_inertia, b.total_inertia);
   EXPECT_EQ(a.centre_of_mass, b.centre_of_mass);
+  EXPECT_EQ(a.preload, b.preload);
+}
+
+inline void expect_equal(const BucklingResult& a, const BucklingResult& b) {
+  EXPECT_EQ(a.complete_below, b.complete_below);
+  EXPECT_EQ(a.growing, b.growing);
+  EXPECT_EQ(a.constant, b.constant);
+  EXPECT_EQ(a.factors, b.factors);
+  EXPECT_EQ(a.residuals, b.residuals);
+  EXPECT_EQ(a.modes, b.modes);
 }
 
 inline void expect_equal(const SupportResult& a, const SupportResult& b) {

@@ -69,6 +69,17 @@ EigenResult make_eigen(const TrimmedModel& model) {
   return e;
 }
 
+BucklingResult make_buckling(const TrimmedModel& model) {
+  BucklingResult b;
+  b.complete_below = 4.5;
+  b.growing = {"wind", "bolt"};
+  b.constant = {"weight"};
+  b.factors = {2.5, 4, -3};
+  b.residuals = counted(3, 1e-9);
+  for (int mode = 0; mode < 3; ++mode) append_coefficients(b.modes, model, mode);
+  return b;
+}
+
 StaticResult make_static(const TrimmedModel& model) {
   StaticResult s;
   s.strain_energy = 12.5;
@@ -157,8 +168,17 @@ Results make_static_results(const TrimmedModel& model) {
   return r;
 }
 
+Results make_buckling_results(const TrimmedModel& model) {
+  Results r = with_header(model, "buckling");
+  r.buckling = make_buckling(model);
+  r.surface = make_surface_result(model, 3);
+  return r;
+}
+
 Results make_full_results(const TrimmedModel& model) {
   Results r = make_eigen_results(model);
+  r.eigen->preload = {"bolt", "spin"};
+  r.buckling = make_buckling(model);
   r.statics = make_static(model);
   r.statics->initial_strain_work = -0.125;
   for (const double share : {1.0, 2.0}) {

@@ -20,6 +20,8 @@ SurfaceResult make_surface_result(const TrimmedModel& model, int num_steps);
 Results make_eigen_results(const TrimmedModel& model);
 /// Static results with two supports, three loads, a probe and one step on the surface.
 Results make_static_results(const TrimmedModel& model);
+/// Buckling results of three factors, with their shapes on the surface.
+Results make_buckling_results(const TrimmedModel& model);
 /// A file that holds every part that there is; its analysis is `eigen`.
 Results make_full_results(const TrimmedModel& model);
 

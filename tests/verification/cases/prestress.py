@@ -1,0 +1,125 @@
+"""Buckling and vibration of loaded parts.
+
+Columns, a plate and a bar whose loads are known from Euler, Bryan and Timoshenko, with the shear that solid parts have.
+"""
+import numpy as np
+
+from book import case, fem, parts
+from book.run import elastic
+
+E, RHO = 210e3, 7.85e-9          # MPa, t/mm³
+THICK, WIDE, LONG = 6.0, 10.0, 120.0
+SHEAR = 5 / 6                    # of a rectangle
+STEEL = "E = 210 GPa, ν = 0"
+STRAIN = "Euler leaves out the work of the stress on the strains of bending: 1 less σ/E, 5e-4 here, which solid models have"
+
+
+def face(name, point, normal, fixed="xyz", **more):
+    return {"name": name, "fixed": fixed, "plane": {"point": point, "normal": normal}, **more}
+
+
+def on_plane(point, normal, **load):
+    return {"plane": {"point": point, "normal": normal}, **load}
+
+
+def euler(length, thick, wide, nu=0.0):
+    """Buckling force between hinges, less what shear takes (Engesser)."""
+    straight = np.pi**2 * E * wide * thick**3 / 12 / length**2
+    return straight / (1 + straight / (SHEAR * E / (2 * (1 + nu)) * wide * thick))
+
+
+def buckling_factors(run, mesh, material, held, forces, count=1):
+    """CalculiX: the first factors on the forces."""
+    loaded = np.argwhere(np.abs(forces) > 1e-12 * np.abs(forces).max())
+    fem.solve(run, mesh, [*fem.deck(mesh, material, held), "*STEP", "*BUCKLE, SOLVER=SPOOLES", f"{count}, 1e-6", "*CLOAD",
+                          *(f"{n + 1}, {d + 1}, {forces[n, d]:.12g}" for n, d in loaded), "*END STEP"])
+    lines = (run.folder / "fem.dat").read_text().splitlines()
+    words = [line.split() for line in lines]
+    return [float(row[1]) for row in words if len(row) == 2 and row[0].isdigit()][:count]
+
+
+def clamped_column_fem(run):
+    mesh = fem.bricks(lambda x: x * [WIDE, THICK, LONG], (2, 1, 14))
+    top = lambda x: np.isclose(x[:, 2], LONG)  # noqa: E731
+    return buckling_factors(run, mesh, {"E": E, "nu": 0}, [(mesh.at(lambda x: np.isclose(x[:, 2], 0)), "xyz")],
+                            mesh.forces(top, [0, 0, -1 / (WIDE * THICK)]))[0]
+
+
+@case(id="column_clamped_free", title="Column, clamped and free", quick=True,
+      geometry="Bar 10 × 6 × 120 mm, foot clamped, head pressed along its axis", material=STEEL,
+      source="Euler: π² E I / 4 L²; shear: Engesser (1891)", unit="N", exact=lambda: euler(2 * LONG, THICK, WIDE),
+      grids=(12.0, 8.0, 5.0), tolerance=1e-3, calculix=clamped_column_fem, calculix_mesh="C3D20, 2 × 1 × 14",
+      notes=STRAIN)
+def clamped_column(run, span):
+    run.model(parts.box((0, 0, 0), (WIDE, THICK, LONG)), span)
+    report = run.solve("buckling", {
+        "material": {"E": E, "nu": 0.0}, "support": [face("foot", [0, 0, 0], [0, 0, 1])],
+        "load": [on_plane([0, 0, LONG], [0, 0, 1], name="press", force=[0, 0, -1.0])], "buckling": {"factors": 2}})
+    return report["factors"][0]
+
+
+def hinged(force, **more):
+    """Upper half of a bar between hinges: its middle is a plane of symmetry, its end is held sideways."""
+    return {"material": {"E": E, "nu": 0.0, "rho": RHO},
+            "support": [face("middle", [0, 0, 0], [0, 0, 1], "normal"), face("end", [0, 0, LONG], [0, 0, 1], "xy")],
+            "load": [on_plane([0, 0, LONG], [0, 0, 1], name="axial", force=[0, 0, force])], **more}
+
+
+@case(id="column_hinged", title="Column between hinges",
+      geometry="Bar 10 × 6 × 240 mm between hinges, its upper half: middle on a plane of symmetry, end held sideways", material=STEEL,
+      source="Euler: π² E I / L²; shear: Engesser (1891)", unit="N", exact=lambda: euler(2 * LONG, THICK, WIDE),
+      grids=(12.0, 8.0, 5.0), tolerance=1e-3, notes=STRAIN)
+def hinged_column(run, span):
+    run.model(parts.box((0, 0, 0), (WIDE, THICK, LONG)), span)
+    return run.solve("buckling", hinged(-1.0, buckling={"factors": 1}))["factors"][0]
+
+
+PLATE, PLATE_THICK, NU = 300.0, 10.0, 0.3
+
+
+def plate_stress():
+    """Hard simple supports, uniaxial: k = 4, with Mindlin's shear."""
+    D = E * PLATE_THICK**3 / (12 * (1 - NU**2))
+    shear = D * 2 * (np.pi / PLATE)**2 / (SHEAR * E / (2 * (1 + NU)) * PLATE_THICK)
+    return 4 * np.pi**2 * D / (PLATE**2 * PLATE_THICK) / (1 + shear)
+
+
+@case(id="plate_buckling", title="Square plate under uniaxial compression, hard simple supports", quick=True,
+      geometry="Plate 300 × 300 × 10 mm; a quarter between planes of symmetry. Edges held across the plate and along themselves, "
+               "but for the displacements of the uniform compression", material="E = 210 GPa, ν = 0.3",
+      source="Bryan: k = 4; shear: Mindlin, k_s = 5/6", unit="MPa", exact=plate_stress, grids=(50.0, 30.0, 20.0), tolerance=2e-3,
+      notes="The exact value is that of plate theory; solid plates differ by (t/a)² in the mean, 2e-3 here")
+def plate(run, span):
+    a, half = PLATE / 2, PLATE_THICK / 2
+    run.model(parts.box((0, 0, -half), (a, a, half)), span)
+    strain = -1 / E  # 1 MPa
+    field = {"gradient": [strain, 0, 0, 0, -NU * strain, 0, 0, 0, -NU * strain]}
+    report = run.solve("buckling", {
+        "material": {"E": E, "nu": NU},
+        "support": [face("x middle", [0, 0, 0], [1, 0, 0], "normal"), face("y middle", [0, 0, 0], [0, 1, 0], "normal"),
+                    face("loaded edge", [a, 0, 0], [1, 0, 0], "yz", **field), face("side", [0, a, 0], [0, 1, 0], "xz", **field)],
+        "load": [on_plane([a, 0, 0], [1, 0, 0], name="press", traction=[-1.0, 0, 0])], "buckling": {"factors": 1}})
+    return report["factors"][0]
+
+
+def tensioned_frequencies():
+    """Simply supported Timoshenko beam under an axial force; to first order in (t/L)²."""
+    area, inertia, k = WIDE * THICK, WIDE * THICK**3 / 12, np.pi / (2 * LONG)
+    thickness = 1 + k**2 * inertia / area * (1 + 2 / SHEAR)
+    bending = k**4 * E * inertia / (RHO * area) / thickness
+    force = np.pi**2 * E * inertia / (2 * LONG)**2
+    return {f"at {name}": np.sqrt(bending + share * force * k**2 / (RHO * area)) / (2 * np.pi) for name, share in SHARES.items()}
+
+
+SHARES = {"half the buckling load": -0.5, "rest": 0.0, "a pull of twice that": 2.0}
+
+
+@case(id="bar_under_tension", title="Bending frequency of a bar under an axial force", quick=True,
+      geometry="Bar 10 × 6 × 240 mm between hinges, its upper half, as above; forces -½, 0 and 2 times π² E I / L²",
+      material=STEEL + ", ρ = 7850 kg/m³", source="Timoshenko & Young, Vibration Problems in Engineering: ω² = (π/L)⁴ E I/ρ A · (1 + P L²/π² E I)",
+      unit="Hz", exact=tensioned_frequencies, grids=(12.0, 8.0, 5.0), tolerance=5e-4)
+def bar_under_tension(run, span):
+    run.model(parts.box((0, 0, 0), (WIDE, THICK, LONG)), span)
+    force = np.pi**2 * E * WIDE * THICK**3 / 12 / (2 * LONG)**2
+    return {f"at {name}": elastic(run.solve("eigen", hinged(share * force or 1e-9, eigen={"modes": 1, "prestress": True})))[0]
+            for name, share in SHARES.items()}
