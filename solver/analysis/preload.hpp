@@ -9,10 +9,11 @@ namespace iga::solve {
 
 /// A state of stress about which a part vibrates or buckles.
 struct Preload {
-  std::vector<Load> loads;   ///< that act in it
-  StaticSolution solution;   ///< fields at points are dropped by load_stiffness
-  StiffnessMatrix stiffness; ///< L: of its stress and of turning loads
-  double largest_strain = 0; ///< Frobenius norm, away from lines and points that loads and supports act on
+  std::vector<std::string> names; ///< of the loads and bolts that act in it
+  std::vector<Load> loads;        ///< of them, the loads
+  StaticSolution solution;        ///< fields at points are dropped by load_stiffness
+  StiffnessMatrix stiffness;      ///< L: of its stress and of turning loads
+  double largest_strain = 0;      ///< Frobenius norm, away from lines and points that loads and supports act on
   std::vector<std::string> warnings;
 };
 

@@ -124,6 +124,26 @@ class Prestress(unittest.TestCase):
         self.assertAlmostEqual(pulled["preload"]["loads"][0]["force"][2], 0.5 * EULER, places=6)
         self.assertTrue(any("small" in note for note in pulled["preload"]["notes"]))
 
+    def test_a_column_between_walls_buckles_when_it_is_heated(self):
+        """Both ends held along the axis, the head free to move sideways: E alpha T A is the force."""
+        force = RUN[RUN.index("[[load]]"):]
+        wall = ("[[support]]\nname = \"wall\"\nfixed = \"z\"\nplane = { point = [0, 0, 120], normal = [0, 0, 1] }\n"
+                "[temperature]\nuniform = 1\n")
+        report = self.report("buckling", (force, wall), ("nu = 0\n", "nu = 0\nexpansion = 1e-5\n"), more=("--factors", "1"))
+        clamped = 4 * EULER  # the head may shift but not turn: half a wave between clamped ends
+        self.assertAlmostEqual(report["factors"][0] * 210e3 * 1e-5 * 60 / clamped, 1, delta=0.02)
+
+    def test_what_turns_is_softer_in_its_plane(self):
+        axis = ("force = [0, 0, -1000]\nplane = { point = [0, 0, 120], normal = [0, 0, 1] }",
+                "centrifugal = { axis = [0, 1, 0], point = [5, 3, 0], speed = 500 }")
+        rest = self.report("eigen", more=("--modes", "1"))["frequencies"][0]
+        along = self.report("eigen", axis, more=("--prestress", "--modes", "1"))
+        across = self.report("eigen", axis, ("axis = [0, 1, 0]", "axis = [1, 0, 0]"), more=("--prestress", "--modes", "1"))
+        squares = [(2 * np.pi * f)**2 for f in (rest, along["frequencies"][0], across["frequencies"][0])]
+        self.assertGreater(squares[1], squares[0])  # the weak axis is y: first out of the plane of rotation, then in it
+        self.assertAlmostEqual((squares[1] - squares[2]) / 500**2, 1, delta=0.01)
+        self.assertTrue(any("Coriolis" in note for note in across["preload"]["notes"]))
+
     def test_eigen_says_that_it_leaves_loads_out(self):
         done = self.command("eigen", more=("--modes", "1"))
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -148,6 +168,8 @@ class Prestress(unittest.TestCase):
         self.refused("buckling", ["factors: found 0"], ("[[support]]", "[buckling]\nfactors = 0\n[[support]]"))
         self.refused("buckling", ["spread = \"rigid\"", "'press'"], ("force =", "spread = \"rigid\"\nforce ="))
         self.refused("buckling", ["supports"], (RUN[RUN.index("[[support]]"):RUN.index("[[load]]")], ""))
+        self.refused("buckling", ["[[case]]"], ("[[support]]", "[[case]]\nname = \"one\"\nloads = { press = 1 }\n[[support]]"))
+        self.refused("buckling", ["inertia_relief"], ("units = ", "inertia_relief = true\nunits = "))
         self.refused("eigen", ["prestress", "largest"],
                      ("[[support]]", "[eigen]\nprestress = true\nlargest = true\n[[support]]"))
 
