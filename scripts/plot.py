@@ -5,6 +5,7 @@
   scripts/plot.py convergence errors.csv [-o errors.png] [--fit 3]     errors over span sizes, log-log, with fitted rates
   scripts/plot.py force run.h5 [more.h5 ...] [--contact NAME] [--mean 0.2]   contact force over time, means of a window
   scripts/plot.py energy run.h5                                        energies of an explicit run over time
+  scripts/plot.py response run.h5 [--table probe_tip] [--columns acceleration_z von_mises]   harmonic, random, transient runs
 
 A CSV file of errors has a header; its first column is the span size (or a number of unknowns), every other one a series of
 errors, named by its header. Empty entries are left out. The rate is fitted to the last entries of a series in the order of
@@ -43,7 +44,11 @@ def parse_arguments():
     force.add_argument("--labels", nargs="+", help="names of the files in the plot (default: the files' own)")
     energy = kinds.add_parser("energy", help="energies of an explicit run over time")
     energy.add_argument("files", type=Path, nargs=1, help="results file of igasolve explicit")
-    for kind in (spectrum, convergence, force, energy):
+    response = kinds.add_parser("response", help="probes and supports of harmonic, random and transient runs")
+    response.add_argument("files", type=Path, nargs=1, help="results file of igasolve harmonic, random or transient")
+    response.add_argument("--table", help="table of the results, such as probe_tip, psd_tip, support_base (default: the first one)")
+    response.add_argument("--columns", nargs="+", help="columns of the table (default: the largest acceleration or force)")
+    for kind in (spectrum, convergence, force, energy, response):
         kind.add_argument("-o", "--output", type=Path, help="picture (.png, .svg, .pdf); default: beside the first file")
         kind.add_argument("--title", help="title of the plot")
     return parser.parse_args()
@@ -227,6 +232,78 @@ def plot_energy(arguments):
     return figure
 
 
+# ------------------------------------------------------------------------------------------------------------- responses
+
+def read_response(path):
+    results = iga_results.read(path)
+    if "/tables" not in results:
+        raise iga_results.FormatError("holds no tables; run igasolve harmonic, random or transient")
+    return results
+
+
+def curves_of(results):
+    """Tables that are curves: over frequency or time."""
+    names = results.texts("/table_names")
+    return [name for name in names if results.texts(f"/tables/{name}/columns")[0] in ("frequency", "time")]
+
+
+def usual_columns(columns):
+    """The component of the acceleration that moves most; forces of supports alike."""
+    for start in ("acceleration_", "force_"):
+        components = [name for name in columns if name.startswith(start) and not name.endswith("_phase")]
+        if components:
+            return [max(components, key=lambda name: np.abs(columns[name]).max())]
+    return [list(columns)[1]]
+
+
+def plot_response(arguments):
+    results = read_checked(arguments.files[0], read_response)
+    curves = curves_of(results)
+    name = arguments.table or (curves[0] if curves else None)
+    if name not in curves:
+        sys.exit(f"plot.py: table '{name}' is not in {arguments.files[0]}; it holds {', '.join(curves) or 'no curves: give a probe'}")
+    columns, units = results.table(name), dict(zip(results.texts(f"/tables/{name}/columns"), results.texts(f"/tables/{name}/units")))
+    chosen = arguments.columns or usual_columns(columns)
+    for column in chosen:
+        if column not in columns:
+            sys.exit(f"plot.py: column '{column}' is not in {name}; it holds {', '.join(columns)}")
+    title = results.attribute("/", "title") or arguments.files[0].stem
+    figure, axes = new_plot(arguments.title or f"{title}: {name}")
+    over, x = next(iter(columns.items()))
+    phases = [column for column in chosen if f"{column}_phase" in columns]
+    if phases:
+        axes.remove()
+        axes, below = figure.subplots(2, 1, sharex=True, height_ratios=(2.2, 1))
+        for one in (axes, below):
+            one.grid(True, color="#dfe2e6", linewidth=0.8)
+            one.set_axisbelow(True)
+            for side in ("top", "right"):
+                one.spines[side].set_visible(False)
+        axes.set_title(arguments.title or f"{title}: {name}", fontsize=15, weight="bold", color=TEXT_COLOUR, loc="left", pad=14)
+        for column in phases:
+            below.plot(x, columns[f"{column}_phase"], linewidth=1.4)
+        below.set(ylabel="phase, degrees", ylim=(-190, 190), yticks=(-180, -90, 0, 90, 180))
+    for column in chosen:
+        y, label = np.abs(columns[column]) if over == "frequency" else columns[column], column
+        if over == "frequency":
+            peak = int(np.argmax(y))
+            label = f"{column}: {y[peak]:.4g} at {x[peak]:.5g}"
+            if results.analysis == "random":
+                label = f"{column}: 1 sigma {np.sqrt(np.trapezoid(y, x) if hasattr(np, 'trapezoid') else np.trapz(y, x)):.4g}"
+        axes.plot(x, y, linewidth=1.6, label=label)
+    if over == "frequency":
+        axes.set_yscale("log")
+        if x[0] > 0 and x[-1] >= 10 * x[0]:
+            axes.set_xscale("log")
+        axes.grid(True, which="minor", color="#eef0f2", linewidth=0.5)
+    length = results.attribute("/", "length_unit")
+    shown = sorted({units[column].replace("length", length if length != "unspecified" else "length", 1) for column in chosen})
+    axes.set_ylabel("  |  ".join(shown) if over == "time" else ("density, " if results.analysis == "random" else "amplitude, ") + "  |  ".join(shown))
+    figure.axes[-1].set_xlabel("time" if over == "time" else "frequency, cycles per unit of time")
+    axes.legend(frameon=False)
+    return figure
+
+
 def read_checked(path, reader):
     try:
         return reader(path)
@@ -239,7 +316,7 @@ def main():
     first = arguments.files[0]
     output = arguments.output or first.with_name(f"{first.stem}_{arguments.kind}.png")
     figure = {"spectrum": plot_spectrum, "convergence": plot_convergence, "force": plot_force,
-              "energy": plot_energy}[arguments.kind](arguments)
+              "energy": plot_energy, "response": plot_response}[arguments.kind](arguments)
     figure.savefig(output)
     print(f"plot.py: wrote {output}")
 

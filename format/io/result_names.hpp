@@ -148,6 +148,10 @@ constexpr NamedGroup body_heads{"/bodies",
                                 "deformable bodies and their models",
                                 "one body",
                                 {"/body_names", "1", "(body)", "names of the bodies, each a group of /bodies"}};
+constexpr NamedGroup tables{"/tables",
+                            "tables of numbers: responses over frequency or time, root mean squares",
+                            "one table",
+                            {"/table_names", "1", "(table)", "names of the tables, each a group of /tables"}};
 constexpr DatasetText field_times{"/fields/time", "time", "ascending",
                                   "times of the fields; of modes and load steps their numbers, from 1"};
 constexpr DatasetText field_files{"/fields/file", "1", "(step)",

@@ -311,6 +311,22 @@ std::vector<BodyResult> read_bodies(const H5Reader& file) {
   return bodies;
 }
 
+std::vector<ResultTable> read_tables(const H5Reader& file) {
+  std::vector<ResultTable> tables;
+  read_named(file, result::tables, tables);
+  for (ResultTable& table : tables) {
+    const std::string path = fmt::format("{}/{}", result::tables.path, table.name);
+    const std::string columns = path + "/columns", units = path + "/units", values = path + "/values";
+    table.description = file.text(path.c_str(), "content");
+    table.columns = file.strings(columns.c_str());
+    table.units = read_texts(file, {units.c_str(), "", "", ""}, table.columns.size());
+    const DatasetText text{values.c_str(), "", "", ""};
+    const std::int64_t rows = rows_of(file, text, 2);
+    table.values = finite(file, text, {rows, static_cast<std::int64_t>(table.columns.size())});
+  }
+  return tables;
+}
+
 FieldIndex read_field_index(const H5Reader& file) {
   FieldIndex fields;
   fields.bodies_file = file.text(result::fields, "bodies_file");
@@ -357,13 +373,19 @@ Results load(const H5Reader& file) {
   expect_none_negative(file, result::active_functions, r.active_functions);
   expect_ascending(file, result::active_functions, r.active_functions);
   const auto& analysis = r.header.analysis;
-  const std::array<std::pair<const char*, const char*>, 4> parts{{{"eigen", result::eigen},
+  const char* const tables = result::tables.path;
+  const std::array<std::pair<const char*, const char*>, 7> parts{{{"eigen", result::eigen},
                                                                   {"static", result::statics},
                                                                   {"explicit", result::time_series},
-                                                                  {"heat", result::heat}}};
+                                                                  {"heat", result::heat},
+                                                                  {"harmonic", tables},
+                                                                  {"random", tables},
+                                                                  {"transient", tables}}};
   const auto part = std::find_if(parts.begin(), parts.end(), [&](const auto& p) { return analysis == p.first; });
   if (part == parts.end())
-    file.refuse("/ attribute analysis", fmt::format("is '{}', expected eigen, static, explicit or heat", analysis));
+    file.refuse(
+        "/ attribute analysis",
+        fmt::format("is '{}', expected eigen, static, explicit, heat, harmonic, random or transient", analysis));
   if (!file.has(part->second)) file.refuse(part->second, "is missing; expected a group");
   if (file.has(result::eigen)) r.eigen = read_eigen(file, num_functions);
   if (file.has(result::statics)) r.statics = read_static(file, num_functions);
@@ -372,6 +394,7 @@ Results load(const H5Reader& file) {
   if (file.has(result::surface)) r.surface = read_surface(file);
   r.bodies = read_bodies(file);
   if (file.has(result::fields)) r.fields = read_field_index(file);
+  r.tables = read_tables(file);
   return r;
 }
 

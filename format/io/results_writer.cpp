@@ -210,6 +210,24 @@ void write_field_index(H5Writer& file, const FieldIndex& fields) {
   file.strings(result::field_files, fields.files);
 }
 
+void write_tables(H5Writer& file, const std::vector<ResultTable>& tables) {
+  write_named(file, result::tables, tables);
+  for (const ResultTable& table : tables) {
+    const std::string path = fmt::format("{}/{}", result::tables.path, table.name);
+    file.attribute(path.c_str(), "content", table.description);
+    const auto put = [&](const char* name, const char* order, const char* text, const auto& write_it) {
+      const std::string at = fmt::format("{}/{}", path, name);
+      write_it(DatasetText{at.c_str(), "1", order, text});
+    };
+    put("columns", "(column)", "names of the columns",
+        [&](const DatasetText& text) { file.strings(text, table.columns); });
+    put("units", "(column)", "units of the columns", [&](const DatasetText& text) { file.strings(text, table.units); });
+    put("values", "(row; column)", "numbers, each column in its unit", [&](const DatasetText& text) {
+      write(file, text, table.values, static_cast<std::int64_t>(table.columns.size()));
+    });
+  }
+}
+
 void write_surface(H5Writer& file, const SurfaceResult& s) {
   const OutputMesh& o = s.output;
   const auto num_vertices = static_cast<std::int64_t>(o.mesh.vertices.size());
@@ -248,6 +266,7 @@ void write_results(const std::filesystem::path& path, const Results& results, bo
   if (results.surface) write_surface(file, *results.surface);
   if (!results.bodies.empty()) write_bodies(file, results.bodies);
   if (results.fields) write_field_index(file, *results.fields);
+  if (!results.tables.empty()) write_tables(file, results.tables);
   write_provenance(file, results.header.provenance);
   file.commit();
 }

@@ -291,6 +291,25 @@ std::optional<std::vector<std::int64_t>> SettingsTable::integers(std::string_vie
   return values;
 }
 
+std::optional<std::vector<double>> SettingsTable::number_list(std::string_view key) {
+  const std::string full = join(path_, key);
+  take_note(full);
+  const toml::node* node = node_of(node_, key);
+  if (!node) return std::nullopt;
+  const char* expected = "a finite number or a list of them";
+  std::vector<double> values;
+  const auto add = [&](const toml::node& entry) {
+    const auto value = finite_number(entry);
+    if (!value) refuse(file_->path, full, entry, expected);
+    values.push_back(*value);
+  };
+  if (!node->is_array())
+    add(*node);
+  else
+    for (const toml::node& entry : *node->as_array()) add(entry);
+  return values;
+}
+
 std::optional<std::vector<std::int64_t>> SettingsTable::integers(std::string_view key) {
   const std::string full = join(path_, key);
   file_->known.insert(full);

@@ -53,6 +53,8 @@ class SettingsTable {
   /// Lists of one of the given lengths; where 1 is among them, a bare number counts as a list of one.
   std::optional<std::vector<double>> numbers(std::string_view key, std::initializer_list<std::size_t> lengths);
   std::optional<std::vector<std::int64_t>> integers(std::string_view key, std::initializer_list<std::size_t> lengths);
+  /// A list of any length of numbers; a bare number counts as a list of one.
+  std::optional<std::vector<double>> number_list(std::string_view key);
   /// A list of any length of whole numbers.
   std::optional<std::vector<std::int64_t>> integers(std::string_view key);
   /// A list of any length of lists of `columns` numbers: [[x, y], [x, y], …].

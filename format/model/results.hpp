@@ -14,7 +14,7 @@ namespace iga {
 
 /// What every results file says about its origin.
 struct ResultsHeader {
-  std::string analysis; ///< eigen | static | explicit | heat
+  std::string analysis; ///< eigen | static | explicit | heat | harmonic | random | transient
   std::string title;    ///< the model's
   std::string length_unit = "unspecified";
   std::string model_file;              ///< base name of the interchange file
@@ -240,6 +240,15 @@ struct BodyPart {
   std::vector<double> point_stress;           ///< (n_points × 6) of the only step, or empty
 };
 
+/// Named columns of numbers: frequency responses, spectra, histories.
+struct ResultTable {
+  std::string name;        ///< a name of a group: no slash
+  std::string description; ///< one line
+  std::vector<std::string> columns;
+  std::vector<std::string> units; ///< by column, in the words of the schema: length, 1/time, force/length^2, …
+  std::vector<double> values;     ///< (rows × columns), row-major
+};
+
 /// All that one results file holds; parts that an analysis has not are absent.
 struct Results {
   ResultsHeader header;
@@ -251,6 +260,7 @@ struct Results {
   std::optional<SurfaceResult> surface;
   std::vector<BodyResult> bodies = {};   ///< explicit, and where there are several
   std::optional<FieldIndex> fields = {}; ///< likewise
+  std::vector<ResultTable> tables = {};  ///< harmonic, random and transient analyses
   std::vector<BodyPart> parts = {};      ///< of several bodies, to be written; empty after reading
 };
 

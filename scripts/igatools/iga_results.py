@@ -21,7 +21,8 @@ from igatools.iga_schema import FormatError, text_of  # noqa: E402
 SCHEMA = iga_schema.load("results")
 FIELDS = iga_schema.load("fields")
 KINDS = {number: name for name, number in SCHEMA["enum"]["kind"].items()}
-PARTS = {"eigen": "/eigen", "static": "/static", "explicit": "/time_series", "heat": "/heat"}
+PARTS = {"eigen": "/eigen", "static": "/static", "explicit": "/time_series", "heat": "/heat", "harmonic": "/tables",
+         "random": "/tables", "transient": "/tables"}
 
 
 class Fields:
@@ -57,6 +58,7 @@ class Results:
             self.data = {}
             file.visititems(self._keep)
         for names, group in (("/time_series/contact_names", "/time_series/contact"), ("/body_names", "/bodies"),
+                             ("/table_names", "/tables"),
                              ("/time_series/body_names", "/time_series/body"),
                              ("/time_series/rigid_names", "/time_series/rigid"),
                              ("/time_series/support_names", "/time_series/support")):
@@ -95,6 +97,10 @@ class Results:
         """Time series below /time_series/<below>, by name: series("rigid/sphere")["velocity"]."""
         start = f"/time_series/{below}/"
         return {path[len(start):]: values for path, values in self.data.items() if path.startswith(start)}
+
+    def table(self, name):
+        """A table of /tables as columns by name: table("probe tip")["displacement_x"]."""
+        return dict(zip(self.texts(f"/tables/{name}/columns"), self[f"/tables/{name}/values"].T))
 
     def mean_force(self, contact, window):
         """Middles of the windows and the magnitude of a contact's mean force in each, from the impulse: no output rate
@@ -179,6 +185,8 @@ def summary(results):
         for name in results.texts("/time_series/contact_names"):
             force = np.linalg.norm(results[f"/time_series/contact/{name}/force"], axis=1)
             report.setdefault("peak_forces", {})[name] = float(force.max(initial=0))
+    if "/tables" in results:
+        report["tables"] = {name: len(results[f"/tables/{name}/values"]) for name in results.texts("/table_names")}
     if results.num_fields():
         report["fields"] = results.num_fields()
     if "/surface" in results:

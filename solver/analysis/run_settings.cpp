@@ -170,6 +170,38 @@ void refuse_two_kinds_of_bodies(const TypedRun& typed) {
                                  typed.bodies.front().file.where, typed.model->string()));
 }
 
+// What a static run would leave out without a word.
+void refuse_variations(const TypedRun& typed) {
+  if (const auto& base = typed.response.base)
+    throw InputError(
+        fmt::format("{}: a static analysis knows no [base]; leave it out, or run igasolve harmonic, random "
+                    "or transient",
+                    base->acceleration.where));
+  for (const Variation& load : typed.response.loads)
+    if (load.given())
+      throw InputError(fmt::format("{}: this load has a spectrum, phase, psd or history, which a static analysis would "
+                                   "leave out; run igasolve harmonic, random or transient",
+                                   load.where));
+}
+
+// Length/time² of one g in the units of the run.
+double gravity_of(const TypedRun& typed, const BaseMotion& base) {
+  constexpr double standard_gravity = 9.80665; // m/s², exact
+  if (base.gravity) return *base.gravity;
+  if (!typed.unit)
+    throw InputError(fmt::format("{}: accelerations in g, but the units of the run are not known; give gravity = … "
+                                 "(length/time² of one g) in [base], or unit_system",
+                                 base.acceleration.where));
+  return standard_gravity * typed.unit->s * typed.unit->s / typed.unit->m;
+}
+
+ResponseSettings response_of(const TypedRun& typed) {
+  ResponseSettings response = typed.response;
+  response.choose_modes = !typed.modes && !typed.modes_below;
+  if (response.base && response.base->in_g) response.base->gravity = gravity_of(typed, *response.base);
+  return response;
+}
+
 int whole(const char* key, std::int64_t value, std::int64_t least, std::int64_t most) {
   if (value < least || value > most)
     throw InputError(fmt::format("{}: found {}, expected {} … {}", key, value, least, most));
@@ -191,8 +223,8 @@ std::vector<io::TableKeys> run_keys() {
       {"support",
        {"name", "body", "fixed", "rotation", "rotate_axis_angle", "value", "gradient", "method", "penalty_factor"}},
       {"probe", {"name", "body", "position"}}};
-  for (const auto& more :
-       {load_keys("load"), region_keys("support"), place_keys("support"), body_file_keys(), tie_keys()})
+  for (const auto& more : {load_keys("load"), region_keys("support"), place_keys("support"), body_file_keys(),
+                           tie_keys(), response_keys()})
     keys.insert(keys.end(), more.begin(), more.end());
   return keys;
 }
@@ -283,6 +315,7 @@ TypedRun read_run_file(const std::filesystem::path& file) {
   t.supports = read_supports(root);
   t.statics = read_static_settings(root);
   t.heat = read_heat(root);
+  t.response = read_response_settings(root);
   root.refuse_unknown_keys();
   return t;
 }
@@ -366,6 +399,8 @@ RunSettings validate_run(const TypedRun& typed, Analysis analysis) {
   run.statics = typed.statics;
   run.heat = typed.heat;
   resolve_speeds(typed, run.statics.loads);
+  if (analysis == Analysis::Static) refuse_variations(typed);
+  if (is_response(analysis)) run.response = response_of(typed);
   if (typed.modes) run.eigen.modes = whole("modes", *typed.modes, 1, 1'000'000);
   if (typed.modes_below && !(*typed.modes_below > 0))
     throw InputError(fmt::format("modes_below: found {:g}, expected a frequency above 0", *typed.modes_below));

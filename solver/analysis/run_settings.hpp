@@ -3,6 +3,7 @@
 
 #include "solver/analysis/eigen_settings.hpp"
 #include "solver/analysis/heat_settings.hpp"
+#include "solver/analysis/response_settings.hpp"
 #include "solver/mechanics/mass_type.hpp"
 #include "solver/mechanics/material.hpp"
 #include "solver/mechanics/material_table.hpp"
@@ -21,7 +22,12 @@ class Progress;
 
 namespace iga::solve {
 
-enum class Analysis { Eigen, Timestep, Static, Heat };
+enum class Analysis { Eigen, Timestep, Static, Heat, Harmonic, Random, Transient };
+
+/// Frequency response, random vibration and transients by modal superposition.
+inline bool is_response(Analysis analysis) {
+  return analysis == Analysis::Harmonic || analysis == Analysis::Random || analysis == Analysis::Transient;
+}
 
 /// [material], or the material of one of [[bodies]], as typed.
 struct TypedMaterial {
@@ -57,6 +63,7 @@ struct TypedRun {
   std::vector<Support> supports;       ///< run files only
   StaticSettings statics;              ///< run files only
   std::vector<HeatBoundary> heat = {}; ///< run files only
+  ResponseSettings response = {};      ///< run files only
 };
 
 /// One body of a run.
@@ -85,6 +92,7 @@ struct RunSettings {
   EigenSettings eigen;
   StaticSettings statics;
   std::vector<HeatBoundary> heat = {};
+  ResponseSettings response = {};
   int subdivide = 2;                ///< surface output: longest edge at most span / subdivide
   bool viewer = true;               ///< files for ParaView beside the results file
   io::Progress* progress = nullptr; ///< where stages show themselves; null: nowhere

@@ -20,6 +20,7 @@ const char* const footer = R"(Examples:
   igasolve timestep part.h5 --E 210 --nu 0.3 --rho 7.8e-6
   igasolve static run.toml -o static.h5
   igasolve heat run.toml -o heat.h5                      steady temperatures; static reads them
+  igasolve harmonic run.toml -o response.h5              frequency response; random and transient likewise
   igasolve explicit impact.toml -o impact.h5             impact and crush; igasolve explicit --help shows a run file
   igasolve export modes.h5 --csv                         frequencies, series, probes, fields as tables
 
@@ -39,6 +40,17 @@ power, convection or source.
 Several bodies, instead of model: [[bodies]] name, model, material, place, light_functions, light_threshold; [[ties]] name,
 bodies, first, second, tolerance, method, penalty_factor join their surfaces; supports, loads and probes say their body.
 Paths in it are relative to its folder; flags override it.)";
+
+const char* const response_footer =
+    R"(Run file: as for static runs, with [[support]], [[load]] and [[probe]], and
+[damping] one of ratio = 0.02, modes = [0.01, 0.02], table = [[frequency, ratio], …], rayleigh = [alpha, beta],
+structural = 0.04;
+[base] direction, unit = "g", gravity: all supports accelerate together;
+[base] and [[load]]: spectrum, phase (harmonic), psd (random), history (transient), each a number, rows [[x, y], …] or a
+text file with two columns: amplitude over frequency, power spectral density over frequency, factor over time;
+[harmonic] from, to, points, frequencies, fields; [random] from, to, points; [transient] end, step, fields;
+[eigen] modes or modes_below; [response] residual_vectors.
+Results: tables for igasolve export --csv and scripts/plot.py response, fields for ParaView.)";
 
 const char* const explicit_footer =
     R"(Example of a run file (kg, mm, ms); all keys: solver/explicit/README.md. Paths are relative to its folder.
@@ -167,6 +179,8 @@ CLI::App* add_export(CLI::App& app, Raw& raw, ExportCommand& c) {
   eigen      frequencies, participation, surface, triangles
   static     reactions, loads, cases, probes, points, surface, triangles
   heat       heat, probes, surface, triangles
+  harmonic   probe_NAME, support_NAME, modes, fields, surface, triangles; transient the same
+  random     rms_NAME, rms_support_NAME, psd_NAME, modes, surface, triangles
   explicit   energy, contact_NAME, body_NAME, rigid_NAME, support_NAME, surface_NAME_STEP, triangles_NAME
   model      points, surface_points, spans, functions
 
@@ -226,6 +240,18 @@ std::optional<Command> parse_command_line(int argc, const char* const* argv) {
   CLI::App* heat =
       add_analysis(app, "heat", "Steady temperatures: conduction, fluxes, convection, sources", raw, analysis);
   add_results(*heat, analysis.typed);
+  const std::array<std::pair<Analysis, CLI::App*>, 3> responses{
+      {{Analysis::Harmonic,
+        add_analysis(app, "harmonic", "Frequency response to loads and base motion", raw, analysis)},
+       {Analysis::Random, add_analysis(app, "random", "Root mean squares of random vibration", raw, analysis)},
+       {Analysis::Transient,
+        add_analysis(app, "transient", "Answers to loads and base motion over time", raw, analysis)}}};
+  for (const auto& [kind, response] : responses) {
+    add_mass(*response, analysis.typed, "consistent");
+    response->add_option("--modes", analysis.typed.modes, "Number of elastic modes")->type_name("N")->group("Method");
+    add_results(*response, analysis.typed);
+    response->footer(response_footer);
+  }
   ExportCommand tables;
   CLI::App* export_app = add_export(app, raw, tables);
   ExplicitCommand dynamics;
@@ -259,6 +285,8 @@ std::optional<Command> parse_command_line(int argc, const char* const* argv) {
                       : *timestep ? Analysis::Timestep
                       : *heat     ? Analysis::Heat
                                   : Analysis::Static;
+  for (const auto& [kind, response] : responses)
+    if (*response) analysis.analysis = kind;
   (void)statics;
   analysis.text = io::command_text("igasolve", argc, argv);
   settle_file(raw, analysis);

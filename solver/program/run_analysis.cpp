@@ -88,6 +88,12 @@ int run_analysis(const AnalysisCommand& command) {
       return timestep_command(run);
     case Analysis::Heat:
       return heat_command(run);
+    case Analysis::Harmonic:
+      return harmonic_command(run);
+    case Analysis::Random:
+      return random_command(run);
+    case Analysis::Transient:
+      return transient_command(run);
     default:
       return static_command(run);
     }

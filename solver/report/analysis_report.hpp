@@ -88,5 +88,8 @@ int eigen_command(AnalysisRun& run);
 int timestep_command(AnalysisRun& run);
 int static_command(AnalysisRun& run);
 int heat_command(AnalysisRun& run);
+int harmonic_command(AnalysisRun& run);
+int random_command(AnalysisRun& run);
+int transient_command(AnalysisRun& run);
 
 } // namespace iga::solve

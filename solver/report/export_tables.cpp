@@ -206,6 +206,15 @@ void visit_series(const TimeSeries& t, const Units& units, const TableVisitor& v
   for (const std::string& name : order) visit(tables.at(name));
 }
 
+void visit_table(const ResultTable& from, const Units& units, const TableVisitor& visit) {
+  const std::size_t columns = from.columns.size();
+  CsvTable table(from.name, columns > 0 ? from.values.size() / columns : 0);
+  for (std::size_t c = 0; c < columns; ++c)
+    table.add(from.columns[c] + (from.units[c] == "1" ? "" : fmt::format(" [{}]", units(from.units[c]))),
+              [&from, columns, c](std::size_t row) { return fmt::format("{}", from.values[columns * row + c]); });
+  visit(table);
+}
+
 void visit_field_files(const std::filesystem::path& file, const Results& results, const Units& units,
                        const TableVisitor& visit) {
   const FieldIndex& index = *results.fields;
@@ -258,6 +267,7 @@ void visit_tables(const std::filesystem::path& file, const Results& results, con
   if (results.statics) visit_statics(*results.statics, units, visit);
   if (results.heat) visit_heat(*results.heat, units, visit);
   if (results.time_series) visit_series(*results.time_series, units, visit);
+  for (const ResultTable& table : results.tables) visit_table(table, units, visit);
   if (results.surface) visit_surface(*results.surface, units, visit);
   if (results.fields) visit_field_files(file, results, units, visit);
 }

@@ -149,6 +149,14 @@ inline void expect_equal(const SurfaceResult& a, const SurfaceResult& b) {
   expect_equal(a.fields, b.fields);
 }
 
+inline void expect_equal(const ResultTable& a, const ResultTable& b) {
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.description, b.description);
+  EXPECT_EQ(a.columns, b.columns);
+  EXPECT_EQ(a.units, b.units);
+  EXPECT_EQ(a.values, b.values);
+}
+
 inline void expect_equal(const Results& a, const Results& b) {
   expect_equal(a.header, b.header);
   EXPECT_EQ(a.active_functions, b.active_functions);
@@ -164,6 +172,8 @@ inline void expect_equal(const Results& a, const Results& b) {
   parts(a.fields, b.fields);
   ASSERT_EQ(a.bodies.size(), b.bodies.size());
   for (std::size_t i = 0; i < a.bodies.size(); ++i) expect_equal(a.bodies[i], b.bodies[i]);
+  ASSERT_EQ(a.tables.size(), b.tables.size());
+  for (std::size_t i = 0; i < a.tables.size(); ++i) expect_equal(a.tables[i], b.tables[i]);
 }
 
 } // namespace iga::test

@@ -180,6 +180,8 @@ Results make_full_results(const TrimmedModel& model) {
               {"other", "box.h5", std::string(64, 'f'), "j2", "two-pass", "none", 0, 30, 7.8e-9}};
   r.fields =
       FieldIndex{"full_fields/full_bodies.h5", {0, 0.5}, {"full_fields/full_0001.h5", "full_fields/full_0002.h5"}};
+  r.tables = {{"probe tip", "amplitudes", {"frequency", "displacement_x"}, {"1/time", "length"}, {1, 2, 3, 4, 5, 6}},
+              {"rms", "root mean squares", {"stress_xx"}, {"force/length^2"}, {7}}};
   const std::size_t n = model.surface.mesh.vertices.size();
   r.surface->fields.stress = counted(9 * 6 * n, 10);
   r.surface->fields.strain = counted(9 * 6 * n, 20);

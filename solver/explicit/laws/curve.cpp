@@ -1,32 +1,15 @@
 #include "solver/explicit/laws/curve.hpp"
 
 #include "format/model/errors.hpp"
+#include "solver/base/number_curve.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <fmt/format.h>
-#include <fstream>
 
 namespace iga::solve {
 
 namespace {
-
-// The numbers of a line; nothing where it holds anything else.
-std::vector<double> numbers_of(std::string line) {
-  std::replace_if(
-      line.begin(), line.end(), [](char c) { return c == ',' || c == ';'; }, ' ');
-  std::vector<double> numbers;
-  const char* at = line.c_str();
-  while (true) {
-    while (*at == ' ' || *at == '\t' || *at == '\r') ++at;
-    if (!*at) return numbers;
-    char* end = nullptr;
-    numbers.push_back(std::strtod(at, &end));
-    if (end == at) return {};
-    at = end;
-  }
-}
 
 std::size_t piece_index(const std::vector<double>& x, double at) {
   return static_cast<std::size_t>(std::upper_bound(x.begin(), x.end(), at) - x.begin());
@@ -53,23 +36,8 @@ Curve::Curve(std::vector<double> x, std::vector<double> y, const std::string& na
 }
 
 Curve Curve::read_csv(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  if (!in)
-    throw InputError(fmt::format("{}: the curve cannot be opened; give a text file with two columns", file.string()));
-  std::vector<double> x, y;
-  std::string line;
-  for (int number = 1; std::getline(in, line); ++number) {
-    const auto first = line.find_first_not_of(" \t\r");
-    if (first == std::string::npos || line[first] == '#') continue;
-    const std::vector<double> values = numbers_of(line);
-    if (values.empty() && x.empty() && number == 1) continue; // headings
-    if (values.size() != 2)
-      throw InputError(
-          fmt::format("{}:{}: found \"{}\", expected two numbers: abscissa and value", file.string(), number, line));
-    x.push_back(values[0]);
-    y.push_back(values[1]);
-  }
-  return {std::move(x), std::move(y), file.string()};
+  TwoColumns columns = read_two_columns(file);
+  return {std::move(columns.x), std::move(columns.y), file.string()};
 }
 
 double Curve::value(double x) const {

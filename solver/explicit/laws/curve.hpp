@@ -17,9 +17,7 @@ class Curve {
   /// @param name opens the messages: where the curve was written
   /// @throws InputError unless there are as many y as x, at least one, all finite, x strictly ascending
   Curve(std::vector<double> x, std::vector<double> y, const std::string& name);
-  /// Two columns of a text file, separated by comma, semicolon or blanks; a first line without numbers, empty lines
-  /// and lines that open with # are passed over.
-  /// @throws InputError naming file and line
+  /// Two columns of a text file (read_two_columns). @throws InputError naming file and line
   static Curve read_csv(const std::filesystem::path& file);
 
   std::size_t size() const { return x_.size(); }
