@@ -41,6 +41,12 @@ def result_tables(results):
     elif results.analysis == "heat":
         yield added(of("heat"), "/heat/boundaries", ("name", "kind", "area", "centroid", "temperature", "power"))
         yield added(of("probes"), "/heat/probes", ("name", "position", "temperature", "heat_flux"))
+    elif "/table_names" in results.data:
+        for name in results.texts("/table_names"):
+            table, units = of(name), results.texts(f"/tables/{name}/units")
+            for (heading, values), unit in zip(results.table(name).items(), units):
+                table.numbers(heading, unit, values)
+            yield table
     else:
         yield from series_tables(results, of)
     if "/surface" in results:

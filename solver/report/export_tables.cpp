@@ -217,7 +217,7 @@ void visit_table(const ResultTable& from, const Units& units, const TableVisitor
   const std::size_t columns = from.columns.size();
   CsvTable table(from.name, columns > 0 ? from.values.size() / columns : 0);
   for (std::size_t c = 0; c < columns; ++c)
-    table.add(fmt::format("{} [{}]", from.columns[c], units(from.units[c])),
+    table.add(from.columns[c] + (from.units[c] == "1" ? "" : fmt::format(" [{}]", units(from.units[c]))),
               [&from, columns, c](std::size_t row) { return fmt::format("{}", from.values[columns * row + c]); });
   visit(table);
 }

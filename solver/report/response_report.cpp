@@ -59,7 +59,7 @@ void add_response(TextReport& report, const AnalysisRun& run, const ResponseSyst
   for (Eigen::Index j = basis.modes(); j < basis.size(); ++j)
     residual += fmt::format("{}{:.6g}", residual.empty() ? "" : ", ", basis.omega(j) / two_pi);
   report.line("residual", "{}",
-              basis.residual > 0 ? fmt::format("{} vectors for what modes above leave, pseudo-frequencies {}",
+              basis.residual > 0 ? fmt::format("{} vector(s) for what modes above leave, pseudo-frequencies {}",
                                                basis.residual, residual)
               : run.settings.response.residual_vectors ? "no vectors needed: the modes hold the static answer"
                                                        : "no vectors: modes above are left out, statics too");
