@@ -41,6 +41,8 @@ void refuse_what_is_not_known(const RunSettings& run) {
                               : !statics.bolts.empty() ? "[[bolt]]"
                               : !statics.cases.empty() ? "[[case]]"
                               : statics.inertia_relief ? "inertia_relief"
+                              : run.eigen.prestress    ? "prestress in [eigen]"
+                              : !run.lines.empty()     ? "[[line]]"
                                                        : nullptr;
   if (unknown)
     throw InputError(
