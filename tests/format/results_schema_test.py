@@ -21,7 +21,7 @@ class ResultsSchemaTest(SchemaCases, unittest.TestCase):
     readme = (SOURCE / "schema" / "README.md").read_text()
     together = ("/provenance/timing_seconds",)  # belongs to timing_stages
     lists = ("/surface/regions", "/time_series/contact_names", "/time_series/body_names", "/time_series/rigid_names",
-             "/time_series/support_names", "/body_names", "/table_names",
+             "/time_series/support_names", "/time_series/probe_names", "/body_names", "/table_names",
              "/tables/probe tip/values", "/tables/rms/values", "/provenance/timing_stages", "/provenance/findings",
              "/provenance/warnings", "/eigen/preload", "/buckling/growing", "/buckling/constant")
 

@@ -116,6 +116,7 @@ TimeSeries make_time_series() {
   t.rigid.resize(1);
   t.rigid[0].name = "a tool";
   t.supports = {{"foot", {}}};
+  t.probes = {{"tip", {}}};
   double first = 0;
   for_each_series(t, [&first](const SeriesColumn& column, std::vector<double>& values) {
     if (values.empty()) values = counted(3 * static_cast<std::size_t>(column.components), ++first);
