@@ -237,7 +237,9 @@ void write_tables(H5Writer& file, const std::vector<ResultTable>& tables) {
         [&](const DatasetText& text) { file.strings(text, table.columns); });
     put("units", "(column)", "units of the columns", [&](const DatasetText& text) { file.strings(text, table.units); });
     put("values", "(row; column)", "numbers, each column in its unit", [&](const DatasetText& text) {
-      write(file, text, table.values, static_cast<std::int64_t>(table.columns.size()));
+      const auto columns = static_cast<std::int64_t>(table.columns.size()),
+                 entries = static_cast<std::int64_t>(table.values.size());
+      file.dataset(text, {columns > 0 ? entries / columns : 0, columns}, std::span<const double>(table.values));
     });
   }
 }

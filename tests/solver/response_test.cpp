@@ -349,12 +349,12 @@ TEST(Harmonic, AFreeRodSwingsAboutItsRigidMotion) {
   bar.pull({0.3, 0, 0});
   bar.run.eigen.modes = 8; // bending ones, twisting ones, an axial one
   const double speed = std::sqrt(modulus / density), first = speed / (2 * length);
-  for (const double share : {1e-3, 0.1, 0.5}) bar.run.response.harmonic.frequencies.push_back(share * first);
+  for (const double share : {1e-3, 0.1, 0.3}) bar.run.response.harmonic.frequencies.push_back(share * first);
   const ResponseSystem system = bar.prepare();
   EXPECT_EQ(system.basis.rigid, 6);
   EXPECT_EQ(system.basis.residual, 1);
   const HarmonicResponse response = harmonic_response(system, bar.run.response);
-  for (const double share : {1e-3, 0.1, 0.5}) {
+  for (const double share : {1e-3, 0.1, 0.3}) {
     const double f = share * first, k = two_pi * f / speed;
     const auto at = std::find(response.frequencies.begin(), response.frequencies.end(), f);
     ASSERT_NE(at, response.frequencies.end());
