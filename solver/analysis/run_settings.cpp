@@ -4,6 +4,7 @@
 #include "format/io/trimmed_model_io.hpp"
 #include "format/model/errors.hpp"
 #include "solver/base/run_tables.hpp"
+#include "solver/supports/read_attached.hpp"
 #include "solver/ties/read_ties.hpp"
 
 #include <algorithm>
@@ -222,7 +223,7 @@ std::vector<io::TableKeys> run_keys() {
       {"eigen", {"modes", "modes_below", "largest", "sturm", "errors", "prestress"}},
       {"buckling", {"factors", "negative", "constant", "sturm"}},
       {"results", {"subdivide", "viewer", "stress"}}};
-  for (const auto& more : {static_keys(), body_file_keys(), tie_keys(), response_keys(), stress_line_keys()})
+  for (const auto& more : {static_keys(), body_file_keys(), tie_keys(), response_keys(), stress_line_keys(), attached_keys()})
     keys.insert(keys.end(), more.begin(), more.end());
   return keys;
 }
@@ -341,6 +342,8 @@ TypedRun read_run_file(const std::filesystem::path& file) {
   if (t.stress && *t.stress != "recovered" && *t.stress != "raw")
     refuse(results, "stress", fmt::format("found \"{}\", expected \"recovered\" or \"raw\"", *t.stress));
   t.supports = read_supports(root);
+  t.springs = read_springs(root);
+  t.masses = read_masses(root);
   t.statics = read_static_settings(root);
   t.heat = read_heat(root);
   t.response = read_response_settings(root);
@@ -430,6 +433,8 @@ RunSettings validate_run(const TypedRun& typed, Analysis analysis) {
   }
   run.ties = typed.ties;
   run.supports = typed.supports;
+  run.springs = typed.springs;
+  run.masses = typed.masses;
   run.statics = typed.statics;
   run.heat = typed.heat;
   resolve_speeds(typed, run.statics.loads);
