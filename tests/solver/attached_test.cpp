@@ -5,6 +5,7 @@
 #include "solver/analysis/eigen_analysis.hpp"
 #include "solver/analysis/timestep_analysis.hpp"
 #include "solver/linalg/low_rank.hpp"
+#include "solver/space/placement.hpp"
 #include "solver/supports/average_motion.hpp"
 #include "solver/supports/read_attached.hpp"
 #include "tests/solver/eigen_support.hpp"
@@ -254,6 +255,92 @@ TEST(Springs, HoldAPartAndBalanceItsLoads) {
   }
 }
 
+namespace {
+
+// Two blocks with a gap of 1 between them along x, no ties.
+struct TwoBlocks {
+  TwoBlocks() {
+    models = {box({1, 1, 1}, {2, 2, 2}, 2), placed(box({1, 1, 1}, {2, 2, 2}, 2), {.shift = {2, 0, 0}})};
+    for (std::size_t b = 0; b < 2; ++b)
+      system.add(b == 0 ? "first" : "second", std::make_shared<const SolutionSpace>(models[b], test::usual()), material);
+    coil.name = "coil";
+    coil.body = "first";
+    coil.region = facing({1, 0, 0});
+    coil.to = Spring::End{"second", facing({-1, 0, 0}), {}};
+  }
+  ElasticMaterial material = isotropic(1e3, 0.3, 2);
+  std::vector<TrimmedModel> models;
+  BodySystem system;
+  Spring coil;
+};
+
+} // namespace
+
+TEST(Springs, BetweenTwoBodiesLeaveRigidMotionsOfBothFree) {
+  TwoBlocks blocks;
+  blocks.coil.total = Point3{3, 4, 5};
+  const auto springs = prepare_springs(blocks.system, std::vector<Spring>{blocks.coil});
+  const MatrixXd motions = rigid_motions(blocks.system, Point3{7, -2, 3});
+  EXPECT_LT((springs[0].rows * motions).cwiseAbs().maxCoeff(), 1e-11);
+  blocks.coil.total.reset();
+  blocks.coil.axial = 2;
+  const auto axial = prepare_springs(blocks.system, std::vector<Spring>{blocks.coil});
+  EXPECT_LT((axial[0].rows * motions).cwiseAbs().maxCoeff(), 1e-11);
+  // The second block moves away by 1: the spring pulls the first after it.
+  VectorXd apart = VectorXd::Zero(blocks.system.num_unknowns());
+  for (Eigen::Index i = blocks.system[1].first_node; i < blocks.system.num_nodes(); ++i) apart[3 * i] = 1;
+  const SpringForce force = spring_forces(blocks.system, axial, apart)[0];
+  EXPECT_NEAR(force.force[0], 2, 1e-12);
+  EXPECT_NEAR(force.energy, 1, 1e-12);
+}
+
+TEST(Springs, CarryABodyThatNothingElseHolds) {
+  TwoBlocks blocks;
+  Support clamp;
+  clamp.name = "clamp";
+  clamp.body = "first";
+  clamp.region = facing({-1, 0, 0});
+  RunSettings run = free_run(blocks.material);
+  run.supports = {clamp};
+  blocks.coil.axial = 2;
+  run.springs = {blocks.coil};
+  StaticSettings statics;
+  Load load;
+  load.name = "pull";
+  load.body = "second";
+  load.kind = LoadKind::TotalForce;
+  load.region = facing({1, 0, 0});
+  load.vector = {4, 0, 0};
+  statics.loads = {load};
+  try {
+    run_static(run, statics, blocks.system);
+    FAIL() << "nothing was thrown";
+  } catch (const InputError& error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("body 2 of 2"), std::string::npos) << text;
+    EXPECT_EQ(text.find("body 1 of 2"), std::string::npos) << text;
+    EXPECT_EQ(text.find("translation along (1, 0, 0)"), std::string::npos) << text;
+    EXPECT_NE(text.find("translation along (0, 1, 0)"), std::string::npos) << text;
+  }
+  // Beside it a soft bed that holds the rest.
+  Spring bed;
+  bed.name = "bed";
+  bed.body = "second";
+  bed.region = facing({0, 0, -1});
+  bed.total = Point3{0, 1, 1};
+  Spring turn = bed;
+  turn.name = "turn";
+  turn.region = facing({0, -1, 0});
+  turn.total = Point3{0, 0, 1};
+  run.springs = {blocks.coil, bed, turn};
+  const StaticSolution solution = run_static(run, statics, blocks.system);
+  EXPECT_NEAR(solution.spring_forces[0].force[0], 4, 1e-8);
+  EXPECT_NEAR(solution.result.springs[0].energy, 4, 1e-7); // F² / (2 k)
+  EXPECT_NEAR(solution.reactions[0].force[0], -4, 1e-8);
+  for (std::size_t d = 0; d < 3; ++d) EXPECT_NEAR(solution.moment_balance[d], 0, 1e-8);
+  EXPECT_LT(energy_defect(solution.result), 1e-9);
+}
+
 TEST(Springs, RaiseTheLargestFrequencyOfATimeStep) {
   const TrimmedModel model = box({1, 1, 1}, {2, 2, 2}, 2, 1);
   RunSettings run = free_run(isotropic(1, 0.3, 1));
@@ -417,6 +504,9 @@ TEST(ReadAttached, RefusesWhatMakesNoSense) {
   expect("[[spring]]\nat = [0, 0, 0]\nnormal_stiffness = 1\n", "needs a surface");
   expect("[[spring]]\nregion = 0\nnormal_stiffness = 1\nstiffness = [1, 1, 1]\n", "given together");
   expect("[[spring]]\nregion = 0\nstifness = [1, 1, 1]\n", "stiffness");
+  expect("[[spring]]\nregion = 0\naxial = 1\n", "only a spring between two ends");
+  expect("[[spring]]\nregion = 0\naxial = 1\nto = { body = \"b\" }\n", "choose surface");
+  expect("[[spring]]\nat = [0, 0, 0]\nstiffness = [1, 1, 1]\nto = { region = 0 }\n", "give axial");
   expect("[[added_mass]]\nregion = 0\n", "the mass that is added");
   expect("[[added_mass]]\nmass = -1\nregion = 0\n", "at least 0");
   expect("[[added_mass]]\nmass = 1\n", "choose surface");
