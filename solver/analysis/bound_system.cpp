@@ -83,6 +83,16 @@ BoundSystem bind_system(const BodySystem& system, const RunSettings& run, Stopwa
 
 AttachedParts attached_parts(const BoundSystem& bound) {
   AttachedParts parts;
+  parts.triangles.resize(bound.of_body.size());
+  const auto take = [&](std::size_t body, const SurfaceRegion& region) {
+    auto& all = parts.triangles[body];
+    all.insert(all.end(), region.triangles.begin(), region.triangles.end());
+  };
+  for (const PreparedSpring& spring : bound.springs) {
+    take(spring.body, spring.region);
+    if (spring.spring.to) take(spring.other_body, spring.other);
+  }
+  for (const PreparedMass& mass : bound.masses) take(mass.body, mass.region);
   for (const PreparedSpring& spring : bound.springs)
     parts.springs.push_back({spring.region.report, spring.spring, spring.other.report.centroid});
   for (const PreparedMass& mass : bound.masses) parts.masses.push_back({mass.region.report, mass.added, mass.centre});

@@ -39,8 +39,10 @@ struct AttachedParts {
   };
   std::vector<OfSpring> springs;
   std::vector<OfMass> masses;
+  /// By body: triangles of its surface under springs and added masses, whose traction they make.
+  std::vector<std::vector<std::int64_t>> triangles = {};
 };
-AttachedParts attached_parts(const BoundSystem& bound);
+AttachedParts attached_parts(const BoundSystem& bound); ///< of as many bodies as bound.of_body
 /// Warnings about what they act on.
 std::vector<std::string> attached_warnings(const AttachedParts& parts);
 

@@ -552,6 +552,26 @@ void need_free_parts(const RunSettings& run) {
                     run.springs.empty() ? run.masses.front().name : run.springs.front().name));
 }
 
+// Fields of acceleration act on added masses too.
+void add_weights(const BodySystem& system, const BoundSystem& bound, std::span<const Load> settings,
+                 std::vector<SystemLoad>& loads) {
+  for (std::size_t k = 0; k < settings.size(); ++k)
+    for (const PreparedMass& mass : bound.masses) {
+      const std::vector<std::size_t>& bodies = loads[k].bodies;
+      if (std::find(bodies.begin(), bodies.end(), mass.body) == bodies.end()) continue;
+      if (settings[k].kind == LoadKind::Centrifugal)
+        throw InputError(fmt::format("load '{}': what turning does to added masses is not known to this program, and "
+                                     "'{}' would be left out; model it as a body of its own, or leave one of them out",
+                                     settings[k].name, mass.added.name));
+      if (settings[k].kind != LoadKind::Acceleration) continue;
+      const Point3 acceleration = (*volume_force(settings[k], 1))(mass.centre);
+      loads[k].load += weight_of(system, mass, acceleration);
+      const Point3 force = times(acceleration, mass.added.mass);
+      loads[k].report.force = plus(loads[k].report.force, force);
+      loads[k].report.moment = plus(loads[k].report.moment, cross(mass.centre, force));
+    }
+}
+
 } // namespace
 
 StaticSolution run_static(const RunSettings& run, const StaticSettings& settings, const SolutionSpace& space) {

@@ -262,7 +262,8 @@ struct TwoBlocks {
   TwoBlocks() {
     models = {box({1, 1, 1}, {2, 2, 2}, 2), placed(box({1, 1, 1}, {2, 2, 2}, 2), {.shift = {2, 0, 0}})};
     for (std::size_t b = 0; b < 2; ++b)
-      system.add(b == 0 ? "first" : "second", std::make_shared<const SolutionSpace>(models[b], test::usual()), material);
+      system.add(b == 0 ? "first" : "second", std::make_shared<const SolutionSpace>(models[b], test::usual()),
+                 material);
     coil.name = "coil";
     coil.body = "first";
     coil.region = facing({1, 0, 0});
