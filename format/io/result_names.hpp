@@ -24,6 +24,7 @@ constexpr const char* buckling = "/buckling";
 constexpr const char* points = "/static/points";
 constexpr const char* probes = "/static/probes";
 constexpr const char* supports = "/static/supports";
+constexpr const char* springs = "/static/springs";
 constexpr const char* loads = "/static/loads";
 constexpr const char* cases = "/static/cases";
 constexpr const char* heat = "/heat";
@@ -83,6 +84,17 @@ constexpr DatasetText support_forces{"/static/supports/force", "force", "(suppor
                                      "reaction: force of the support on the part"};
 constexpr DatasetText support_moments{"/static/supports/moment", "force*length", "(support; x y z)",
                                       "its moment about the region's centroid"};
+
+constexpr DatasetText spring_names{"/static/springs/name", "1", "(spring)", "names of the springs"};
+constexpr DatasetText spring_areas{"/static/springs/area", "length^2", "(spring)",
+                                   "area of the region; 0 of lines and points"};
+constexpr DatasetText spring_centroids{"/static/springs/centroid", "length", "(spring; x y z)",
+                                       "centroid of what it acts on"};
+constexpr DatasetText spring_forces{"/static/springs/force", "force", "(spring; x y z)",
+                                    "force of the spring on the part"};
+constexpr DatasetText spring_moments{"/static/springs/moment", "force*length", "(spring; x y z)",
+                                     "its moment about that centroid"};
+constexpr DatasetText spring_energies{"/static/springs/energy", "force*length", "(spring)", "energy stored in each"};
 
 constexpr DatasetText load_names{"/static/loads/name", "1", "(load)", "names of the loads"};
 constexpr DatasetText load_kinds{"/static/loads/kind", "1", "(load)",

@@ -201,6 +201,19 @@ std::vector<SupportResult> read_supports(const H5Reader& file) {
   return rows;
 }
 
+// Since 1.5.
+std::vector<SpringResult> read_springs(const H5Reader& file) {
+  if (!file.has(result::springs)) return {};
+  std::vector<SpringResult> rows(file.strings(result::spring_names.path).size());
+  read_column(file, result::spring_names, rows, &SpringResult::name);
+  read_column(file, result::spring_areas, rows, &SpringResult::area);
+  read_vectors(file, result::spring_centroids, rows, &SpringResult::centroid);
+  read_vectors(file, result::spring_forces, rows, &SpringResult::force);
+  read_vectors(file, result::spring_moments, rows, &SpringResult::moment);
+  read_column(file, result::spring_energies, rows, &SpringResult::energy);
+  return rows;
+}
+
 std::vector<LoadResult> read_loads(const H5Reader& file) {
   std::vector<LoadResult> rows(file.strings(result::load_names.path).size());
   read_column(file, result::load_names, rows, &LoadResult::name);
@@ -241,7 +254,8 @@ StaticResult read_static(const H5Reader& file, std::int64_t num_functions) {
   s.external_work = file.number<double>(result::statics, "external_work");
   for (const auto& [name, value] :
        {std::pair{"support_work", &s.support_work}, std::pair{"gap_work", &s.gap_work},
-        std::pair{"penalty_energy", &s.penalty_energy}, std::pair{"initial_strain_work", &s.initial_strain_work}})
+        std::pair{"penalty_energy", &s.penalty_energy}, std::pair{"spring_energy", &s.spring_energy},
+        std::pair{"initial_strain_work", &s.initial_strain_work}})
     if (file.has_attribute(result::statics, name))
       *value = file.number<double>(result::statics, name); // since 1.2, 1.5
   s.displacement = finite(file, result::displacement, {num_functions, 3});
@@ -253,6 +267,7 @@ StaticResult read_static(const H5Reader& file, std::int64_t num_functions) {
   s.probes.positions = finite(file, result::probe_positions, {num_probes, 3});
   s.probes.fields = read_fields(file, result::probe_fields, num_probes);
   s.supports = read_supports(file);
+  s.springs = read_springs(file);
   s.loads = read_loads(file);
   if (file.has(result::cases)) s.cases = read_cases(file, num_functions, s); // since 1.5
   return s;

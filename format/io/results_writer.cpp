@@ -109,6 +109,17 @@ void write_supports(H5Writer& file, const std::vector<SupportResult>& supports) 
   write_vectors(file, result::support_moments, supports, &SupportResult::moment);
 }
 
+void write_springs(H5Writer& file, const std::vector<SpringResult>& springs) {
+  if (springs.empty()) return;
+  file.group(result::springs, "springs between the part and the ground");
+  file.strings(result::spring_names, column(springs, [](const auto& s) { return s.name; }));
+  write(file, result::spring_areas, column(springs, [](const auto& s) { return s.area; }));
+  write_vectors(file, result::spring_centroids, springs, &SpringResult::centroid);
+  write_vectors(file, result::spring_forces, springs, &SpringResult::force);
+  write_vectors(file, result::spring_moments, springs, &SpringResult::moment);
+  write(file, result::spring_energies, column(springs, [](const auto& s) { return s.energy; }));
+}
+
 void write_loads(H5Writer& file, const std::vector<LoadResult>& loads) {
   file.group(result::loads, "what acts on the part");
   file.strings(result::load_names, column(loads, [](const auto& l) { return l.name; }));
@@ -147,6 +158,7 @@ void write_static(H5Writer& file, const StaticResult& s) {
   file.attribute(result::statics, "support_work", s.support_work);
   file.attribute(result::statics, "gap_work", s.gap_work);
   file.attribute(result::statics, "penalty_energy", s.penalty_energy);
+  file.attribute(result::statics, "spring_energy", s.spring_energy);
   // It says, too, that there was such a strain: readers cannot make stresses from the displacement alone.
   if (s.initial_strain_work != 0) file.attribute(result::statics, "initial_strain_work", s.initial_strain_work);
   write(file, result::displacement, s.displacement, 3);
@@ -158,6 +170,7 @@ void write_static(H5Writer& file, const StaticResult& s) {
   write(file, result::probe_positions, s.probes.positions, 3);
   write_fields(file, result::probe_fields, s.probes.fields, static_cast<std::int64_t>(s.probes.names.size()));
   write_supports(file, s.supports);
+  write_springs(file, s.springs);
   write_loads(file, s.loads);
   if (!s.cases.empty()) write_cases(file, s);
 }

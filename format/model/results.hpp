@@ -97,6 +97,16 @@ struct SupportResult {
   Point3 moment{};    ///< about the region's centroid, force · length
 };
 
+/// One spring and what it does to the part.
+struct SpringResult {
+  std::string name;
+  double area = 0;   ///< length²; 0 for lines and points
+  Point3 centroid{}; ///< length
+  Point3 force{};    ///< of the spring on the part
+  Point3 moment{};   ///< about the region's centroid, force · length
+  double energy = 0; ///< force · length
+};
+
 /// One load and its resultant.
 struct LoadResult {
   std::string name;
@@ -128,8 +138,9 @@ struct CaseResult {
 struct StaticResult {
   double strain_energy = 0; ///< ½ uᵀ K u, without the supports' terms; force · length
   double external_work = 0; ///< ½ fᵀ u of the loads; force · length
-  /// The rest of the energy balance: strain_energy + penalty_energy = external_work + support_work + gap_work +
-  /// initial_strain_work.
+  /// The rest of the energy balance: strain_energy + spring_energy + penalty_energy = external_work + support_work +
+  /// gap_work + initial_strain_work.
+  double spring_energy = 0;  ///< of all springs; force · length
   double support_work = 0;   ///< ½ ∫ t · u_D dA: of the reactions on prescribed displacements; force · length
   double gap_work = 0;       ///< Nitsche: ∫ (σ n) · (u - u_D) dA over the supports; force · length
   double penalty_energy = 0; ///< Nitsche and penalty: ½ ∫ β |u - u_D|² dA, and of rigid regions; force · length
@@ -139,6 +150,7 @@ struct StaticResult {
   FieldSamples points;              ///< one step, at the model's quadrature points in their order
   ProbeResult probes;
   std::vector<SupportResult> supports;
+  std::vector<SpringResult> springs; ///< since version 1.5 of the results file
   std::vector<LoadResult> loads;
   std::vector<CaseResult> cases = {}; ///< empty where there is one; the rest of the struct is then that of the first
 };

@@ -33,6 +33,8 @@ def result_tables(results):
                .add("/buckling/residual"))
     elif results.analysis == "static":
         yield added(of("reactions"), "/static/supports", ("name", "method", *FORCES))
+        if "/static/springs" in results:
+            yield added(of("springs"), "/static/springs", ("name", *FORCES, "energy"))
         yield added(of("loads"), "/static/loads", ("name", "kind", *FORCES))
         if "/static/cases/name" in results.data:
             yield added(of("cases"), "/static/cases", ("name", "strain_energy", "largest_displacement", "largest_von_mises"))

@@ -72,10 +72,42 @@ BoundSystem bind_system(const BodySystem& system, const RunSettings& run, Stopwa
     bound.regions.push_back(bound.of_body[b].regions[next[b]++]);
     bound.regions.back().body = system.name_among_several(b);
   }
-  if (!run.supports.empty()) watch.stage("supports");
+  bound.springs = prepare_springs(system, run.springs);
+  add_springs(system, bound.springs, bound.K);
+  bound.masses = prepare_masses(system, run.masses);
+  if (!run.supports.empty() || !run.springs.empty()) watch.stage("supports");
   add_ties(system, bound.ties, bound.K);
   if (!run.ties.empty()) watch.stage("ties");
   return bound;
+}
+
+AttachedParts attached_parts(const BoundSystem& bound) {
+  AttachedParts parts;
+  parts.triangles.resize(bound.of_body.size());
+  const auto take = [&](std::size_t body, const SurfaceRegion& region) {
+    auto& all = parts.triangles[body];
+    all.insert(all.end(), region.triangles.begin(), region.triangles.end());
+  };
+  for (const PreparedSpring& spring : bound.springs) {
+    take(spring.body, spring.region);
+    if (spring.spring.to) take(spring.other_body, spring.other);
+  }
+  for (const PreparedMass& mass : bound.masses) take(mass.body, mass.region);
+  for (const PreparedSpring& spring : bound.springs)
+    parts.springs.push_back({spring.region.report, spring.spring, spring.other.report.centroid});
+  for (const PreparedMass& mass : bound.masses) parts.masses.push_back({mass.region.report, mass.added, mass.centre});
+  return parts;
+}
+
+std::vector<std::string> attached_warnings(const AttachedParts& parts) {
+  std::vector<std::string> all;
+  const auto take = [&](const RegionReport& region, const char* kind) {
+    for (const std::string& warning : region_warnings(region, fmt::format("{} '{}'", kind, region.name)))
+      all.push_back(warning);
+  };
+  for (const auto& spring : parts.springs) take(spring.region, "spring");
+  for (const auto& mass : parts.masses) take(mass.region, "added mass");
+  return all;
 }
 
 std::vector<Reaction> reactions(const BodySystem& system, const BoundSystem& bound, const Eigen::VectorXd& u,

@@ -99,7 +99,8 @@ EigenOutcome find_modes(const RunSettings& run, const EigenSettings& settings, s
     outcome.omega_max = largest.omega;
     outcome.omega_max_residual = largest.residual;
     watch.stage("Lanczos");
-    if (run.supports.empty() && run.ties.empty()) outcome.element = element_bound(outcome.system, run.mass);
+    if (run.supports.empty() && run.springs.empty() && run.ties.empty())
+      outcome.element = element_bound(outcome.system, run.mass);
     watch.stage("element bound");
   } else {
     EigenProblem problem;

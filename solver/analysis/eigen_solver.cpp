@@ -117,8 +117,8 @@ class Search {
 
   bool takes_dense() const {
     return !(problem_.constraints && problem_.constraints->rows() > 0) && problem_.mass->passes() == 1 &&
-           modes_ >= dense_least && dense_share * modes_ > dimensions_ &&
-           dense_bytes(problem_.mass->size()) < free_memory();
+           !problem_.mass->has_low_rank() && problem_.stiffness->low_rank().rows() == 0 && modes_ >= dense_least &&
+           dense_share * modes_ > dimensions_ && dense_bytes(problem_.mass->size()) < free_memory();
   }
 
   // Elastic modes below the frequency asked for, by inertia; where none is made, a number to begin with. What is found

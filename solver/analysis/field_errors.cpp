@@ -36,6 +36,15 @@ std::vector<LoadedRegion> held_regions(const BoundSystem& bound, std::size_t bod
   std::vector<LoadedRegion> held;
   for (const PreparedSupport& support : bound.of_body[body].prepared)
     if (support.region.report.extent == Extent::Surface) held.push_back({&support.region, held_by(support)});
+  const auto attached = [&](const auto& parts) { // may bear any traction, as a tie
+    for (const auto& part : parts)
+      if (part.body == body && part.region.report.extent == Extent::Surface) held.push_back({&part.region, its_own});
+  };
+  attached(bound.springs);
+  for (const PreparedSpring& spring : bound.springs)
+    if (spring.spring.to && spring.other_body == body && spring.other.report.extent == Extent::Surface)
+      held.push_back({&spring.other, its_own});
+  attached(bound.masses);
   for (const PreparedTie& tie : bound.ties)
     for (std::size_t side = 0; side < 2; ++side)
       if (tie.surface.body[side] == body) held.push_back({&tie.side[side].region, its_own});

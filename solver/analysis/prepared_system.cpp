@@ -24,6 +24,7 @@ void hand_over(PreparedSystem& prepared, SystemOutcome& outcome) {
   outcome.unknowns = outcome.system.num_unknowns();
   outcome.regions = std::move(prepared.bound.regions);
   outcome.ties = std::move(prepared.bound.tie_reports);
+  outcome.attached = attached_parts(prepared.bound);
   outcome.warnings = std::move(prepared.warnings);
   outcome.timings = std::move(prepared.timings);
 }
@@ -51,15 +52,16 @@ PreparedSystem prepare_system(const RunSettings& run, std::span<const TrimmedMod
   system.bodies = make_system(run, models);
   watch.stage("space");
   system.bound = bind_system(system.bodies, run, watch);
-  system.M = make_mass(run.mass, system.bodies, system.bound.K.shared_connectivity());
+  system.M = make_mass(run.mass, system.bodies, system.bound.K.shared_connectivity(), system.bound.masses);
   watch.stage("mass");
   system.warnings = space_warnings(system.bodies);
   if (system.M.moved_functions() > 0)
     system.warnings.push_back(fmt::format("the lumped mass of {} light functions went to their nearest neighbours: "
                                           "extrapolation would have left others without mass",
                                           system.M.moved_functions()));
-  const std::vector<std::string> of_regions = region_warnings(system.bound.regions);
-  system.warnings.insert(system.warnings.end(), of_regions.begin(), of_regions.end());
+  for (const std::vector<std::string>& more :
+       {region_warnings(system.bound.regions), attached_warnings(attached_parts(system.bound))})
+    system.warnings.insert(system.warnings.end(), more.begin(), more.end());
   return system;
 }
 

@@ -21,6 +21,7 @@ struct SystemOutcome {
   std::int64_t unknowns = 0;
   std::vector<RegionReport> regions; ///< of the supports
   std::vector<TieReport> ties;
+  AttachedParts attached;
   std::vector<std::string> warnings;
   std::vector<std::pair<std::string, double>> timings; ///< stage, seconds
 };

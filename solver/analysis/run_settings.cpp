@@ -4,6 +4,7 @@
 #include "format/io/trimmed_model_io.hpp"
 #include "format/model/errors.hpp"
 #include "solver/base/run_tables.hpp"
+#include "solver/supports/read_attached.hpp"
 #include "solver/ties/read_ties.hpp"
 
 #include <algorithm>
@@ -222,7 +223,8 @@ std::vector<io::TableKeys> run_keys() {
       {"eigen", {"modes", "modes_below", "largest", "sturm", "errors", "prestress"}},
       {"buckling", {"factors", "negative", "constant", "sturm"}},
       {"results", {"subdivide", "viewer", "stress"}}};
-  for (const auto& more : {static_keys(), body_file_keys(), tie_keys(), response_keys(), stress_line_keys()})
+  for (const auto& more :
+       {static_keys(), body_file_keys(), tie_keys(), response_keys(), stress_line_keys(), attached_keys()})
     keys.insert(keys.end(), more.begin(), more.end());
   return keys;
 }
@@ -341,6 +343,8 @@ TypedRun read_run_file(const std::filesystem::path& file) {
   if (t.stress && *t.stress != "recovered" && *t.stress != "raw")
     refuse(results, "stress", fmt::format("found \"{}\", expected \"recovered\" or \"raw\"", *t.stress));
   t.supports = read_supports(root);
+  t.springs = read_springs(root);
+  t.masses = read_masses(root);
   t.statics = read_static_settings(root);
   t.heat = read_heat(root);
   t.response = read_response_settings(root);
@@ -407,6 +411,25 @@ TypedRun complete_materials(TypedRun typed) {
   return typed;
 }
 
+namespace {
+
+// Other analyses have their own systems of equations, which would leave springs and added masses out.
+void refuse_attached(const TypedRun& typed, Analysis analysis) {
+  if (typed.springs.empty() && typed.masses.empty()) return;
+  const std::string what = typed.springs.empty() ? fmt::format("added mass '{}'", typed.masses.front().name)
+                                                 : fmt::format("spring '{}'", typed.springs.front().name);
+  if (analysis == Analysis::Eigen && typed.prestress.value_or(false))
+    throw InputError(fmt::format("{}: modes of the loaded part (prestress) know no springs and added masses; leave one "
+                                 "of them out",
+                                 what));
+  if (analysis != Analysis::Eigen && analysis != Analysis::Timestep && analysis != Analysis::Static)
+    throw InputError(fmt::format("{}: this analysis knows no springs and added masses, only eigen, static and timestep "
+                                 "do; leave it out",
+                                 what));
+}
+
+} // namespace
+
 RunSettings validate_run(const TypedRun& typed, Analysis analysis) {
   RunSettings run;
   run.analysis = analysis;
@@ -430,6 +453,9 @@ RunSettings validate_run(const TypedRun& typed, Analysis analysis) {
   }
   run.ties = typed.ties;
   run.supports = typed.supports;
+  refuse_attached(typed, analysis);
+  run.springs = typed.springs;
+  run.masses = typed.masses;
   run.statics = typed.statics;
   run.heat = typed.heat;
   resolve_speeds(typed, run.statics.loads);

@@ -11,8 +11,10 @@
 #include "solver/space/body_tables.hpp"
 #include "solver/space/solution_space.hpp"
 #include "solver/stress/stress_lines.hpp"
+#include "solver/supports/added_mass.hpp"
 #include "solver/supports/boundary.hpp"
 #include "solver/supports/read_supports.hpp"
+#include "solver/supports/spring.hpp"
 #include "solver/ties/tie.hpp"
 
 #include <filesystem>
@@ -71,6 +73,8 @@ struct TypedRun {
   std::vector<TypedBody> bodies;       ///< run files only
   std::vector<Tie> ties;               ///< run files only
   std::vector<Support> supports;       ///< run files only
+  std::vector<Spring> springs;         ///< run files only
+  std::vector<AddedMass> masses;       ///< run files only
   StaticSettings statics;              ///< run files only
   std::vector<HeatBoundary> heat = {}; ///< run files only
   ResponseSettings response = {};      ///< run files only
@@ -101,6 +105,8 @@ struct RunSettings {
   bool has_density = true; ///< as in RunBody
   std::vector<Tie> ties;
   std::vector<Support> supports;
+  std::vector<Spring> springs;
+  std::vector<AddedMass> masses;
   EigenSettings eigen;
   BucklingSettings buckling;
   StaticSettings statics;

@@ -31,11 +31,13 @@ constexpr double free_shank = 1e-7;
 using Timings = std::vector<std::pair<std::string, double>>;
 
 void need_no_free_motion(const BodySystem& system, const BoundSystem& bound) {
-  const std::vector<std::string> free = free_rigid_motions(system, bound.K.pattern(), bound.of_body);
+  const std::vector<std::string> free = free_rigid_motions(system, bound.K.pattern(), bound.of_body, bound.springs);
   if (free.empty()) return;
   throw InputError(fmt::format("{}: a static analysis needs supports that resist every rigid motion:\n  {}\n"
                                "add a [[support]] or fix more components{}",
-                               bound.regions.empty() ? "no support is given" : "the supports do not hold the part",
+                               bound.regions.empty() && bound.springs.empty() ? "no support is given"
+                               : bound.springs.empty()                        ? "the supports do not hold the part"
+                                                       : "supports and springs do not hold the part",
                                fmt::join(free, "\n  "),
                                system.size() > 1 ? ", or tie the body to another one ([[ties]])" : ""));
 }
@@ -48,7 +50,7 @@ std::unique_ptr<LinearSolver> factorise(const BoundSystem& bound, const InertiaR
     system.mass = &relief->mass();
     system.shift = -relief->sigma();
   }
-  if (bound.constraints.rows() == 0) return factorise_positive_definite(system);
+  if (bound.constraints.rows() == 0 && bound.K.low_rank().rows() == 0) return factorise_positive_definite(system);
   system.constraints = &bound.constraints;
   return factorise_indefinite(system);
 }
@@ -294,6 +296,17 @@ void describe_forces(const RunSettings& run, const StaticSettings& settings, con
     solution.result.gap_work += reaction.gap_work;
     solution.result.penalty_energy += reaction.penalty_energy;
   }
+  for (std::size_t k = 0; k < solution.attached.springs.size(); ++k) {
+    const RegionReport& region = solution.attached.springs[k].region;
+    const SpringForce& f = solution.spring_forces[k];
+    solution.result.springs.push_back({region.name, region.area, region.centroid, f.force,
+                                       moment_about(region.centroid, f.moment, f.force), f.energy});
+    if (!solution.attached.springs[k].spring.to) { // two ends balance each other
+      solution.force_balance = plus(solution.force_balance, f.force);
+      solution.moment_balance = plus(solution.moment_balance, f.moment);
+    }
+    solution.result.spring_energy += f.energy;
+  }
   for (const TieForce& tie : solution.tie_forces) {
     solution.result.gap_work += tie.gap_work;
     solution.result.penalty_energy += tie.penalty_energy;
@@ -321,7 +334,7 @@ std::vector<double> entries_of(const Eigen::VectorXd& v) {
 } // namespace
 
 double energy_defect(const StaticResult& r) {
-  const double stored = r.strain_energy + r.penalty_energy,
+  const double stored = r.strain_energy + r.spring_energy + r.penalty_energy,
                done = r.external_work + r.support_work + r.gap_work + r.initial_strain_work;
   const double larger = std::max(std::abs(stored), std::abs(done));
   return larger > 0 ? std::abs(stored - done) / larger : 0;
@@ -343,6 +356,10 @@ std::optional<std::string> singular_place_near(const StaticSolution& solution, c
   };
   for (const RegionReport& support : solution.regions)
     if (is_near(support)) return fmt::format("support '{}'", support.name);
+  for (const auto& spring : solution.attached.springs)
+    if (is_near(spring.region)) return fmt::format("spring '{}'", spring.region.name);
+  for (const auto& mass : solution.attached.masses)
+    if (is_near(mass.region)) return fmt::format("added mass '{}'", mass.region.name);
   for (const LoadReport& load : solution.loads)
     if (is_near(load.region)) return fmt::format("load '{}'", load.name);
   return std::nullopt;
@@ -386,6 +403,11 @@ bool is_line_or_point(const RegionReport& region) {
 std::string no_energy_error(const BodySystem& system, const StaticSolution& solution) {
   if (std::any_of(solution.regions.begin(), solution.regions.end(), is_line_or_point))
     return "under a support on a line or at a point stress grows without limit as spans get smaller";
+  const auto at_line_or_point = [](const auto& part) { return is_line_or_point(part.region); };
+  const AttachedParts& attached = solution.attached;
+  if (std::any_of(attached.springs.begin(), attached.springs.end(), at_line_or_point) ||
+      std::any_of(attached.masses.begin(), attached.masses.end(), at_line_or_point))
+    return "under a spring or an added mass on a line or at a point stress grows without limit as spans get smaller";
   if (std::any_of(solution.loads.begin(), solution.loads.end(),
                   [](const LoadReport& load) { return is_line_or_point(load.region); }))
     return "under a load on a line or at a point the energy grows without limit as spans get smaller";
@@ -523,6 +545,31 @@ void need_free_parts(const RunSettings& run) {
         fmt::format("inertia_relief is for parts that nothing holds, but there is support '{}'; leave out one of "
                     "the two",
                     run.supports.front().name));
+  if (!run.springs.empty() || !run.masses.empty())
+    throw InputError(
+        fmt::format("inertia_relief knows nothing of springs and added masses, but there is '{}'; leave out "
+                    "one of the two",
+                    run.springs.empty() ? run.masses.front().name : run.springs.front().name));
+}
+
+// Fields of acceleration act on added masses too.
+void add_weights(const BodySystem& system, const BoundSystem& bound, std::span<const Load> settings,
+                 std::vector<SystemLoad>& loads) {
+  for (std::size_t k = 0; k < settings.size(); ++k)
+    for (const PreparedMass& mass : bound.masses) {
+      const std::vector<std::size_t>& bodies = loads[k].bodies;
+      if (std::find(bodies.begin(), bodies.end(), mass.body) == bodies.end()) continue;
+      if (settings[k].kind == LoadKind::Centrifugal)
+        throw InputError(fmt::format("load '{}': what turning does to added masses is not known to this program, and "
+                                     "'{}' would be left out; model it as a body of its own, or leave one of them out",
+                                     settings[k].name, mass.added.name));
+      if (settings[k].kind != LoadKind::Acceleration) continue;
+      const Point3 acceleration = (*volume_force(settings[k], 1))(mass.centre);
+      loads[k].load += weight_of(system, mass, acceleration);
+      const Point3 force = times(acceleration, mass.added.mass);
+      loads[k].report.force = plus(loads[k].report.force, force);
+      loads[k].report.moment = plus(loads[k].report.moment, cross(mass.centre, force));
+    }
 }
 
 } // namespace
@@ -547,13 +594,14 @@ std::vector<StaticSolution> run_static_cases(const RunSettings& run, const Stati
 
   if (settings.inertia_relief) need_free_parts(run);
   const std::vector<LocatedProbe> probes = locate_probes(system, settings.probes);
-  const std::vector<SystemLoad> loads = assemble_loads(system, settings.loads);
+  std::vector<SystemLoad> loads = assemble_loads(system, settings.loads);
   std::vector<std::vector<std::size_t>> load_bodies;
   for (const SystemLoad& load : loads) load_bodies.push_back(load.bodies);
   const ThermalLoad thermal = thermal_load(settings, system);
   TightenedBolts bolts = find_bolts(system, settings.bolts);
   watch.stage("loads");
   BoundSystem bound = bind_system(system, run, watch);
+  add_weights(system, bound, settings.loads, loads);
   RigidRegions rigid(system, settings.loads, load_bodies, bound.K);
   std::optional<InertiaRelief> relief;
   if (settings.inertia_relief)
@@ -595,8 +643,9 @@ std::vector<StaticSolution> run_static_cases(const RunSettings& run, const Stati
     solution.ties = bound.tie_reports;
     solution.num_constraints = bound.constraints.rows();
     solution.warnings = region_warnings(solution.regions);
-    const std::vector<std::string> of_loads = region_warnings(solution.loads);
-    solution.warnings.insert(solution.warnings.end(), of_loads.begin(), of_loads.end());
+    solution.attached = attached_parts(bound);
+    for (const std::vector<std::string>& more : {region_warnings(solution.loads), attached_warnings(solution.attached)})
+      solution.warnings.insert(solution.warnings.end(), more.begin(), more.end());
     add_temperatures(settings, cases[c], thermal, system, solution);
     recover_bodies(solution.system, solution);
     add_bolts(settings, cases[c], bolts, solution.system, solution);
@@ -605,6 +654,7 @@ std::vector<StaticSolution> run_static_cases(const RunSettings& run, const Stati
     solution.result.external_work = 0.5 * acting[c].load.dot(solution.unknowns);
     const PrescribedFactor prescribed(bound, cases[c].prescribed);
     solution.reactions = reactions(solution.system, bound, solution.unknowns, solution.multipliers);
+    solution.spring_forces = spring_forces(system, bound.springs, solution.unknowns);
     solution.tie_forces = tie_forces(solution.system, bound.ties, solution.unknowns);
     solution.motions = rigid.motions(solution.unknowns);
     solution.result.penalty_energy = rigid.energy(solution.unknowns);

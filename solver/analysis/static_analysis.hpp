@@ -2,6 +2,7 @@
 #pragma once
 
 #include "format/model/results.hpp"
+#include "solver/analysis/bound_system.hpp"
 #include "solver/analysis/run_settings.hpp"
 #include "solver/supports/boundary.hpp"
 #include "solver/supports/read_supports.hpp"
@@ -73,6 +74,8 @@ struct StaticSolution {
   std::vector<RigidAcceleration> relief;                    ///< by mechanical body, under inertia relief
   std::vector<TemperatureReport> temperatures;
   std::vector<BoltReport> bolts;
+  AttachedParts attached;                 ///< springs and added masses
+  std::vector<SpringForce> spring_forces; ///< about the origin
   std::vector<TieReport> ties;
   std::vector<TieForce> tie_forces;  ///< about the origin
   FieldSamples surface;              ///< one step, at model.surface.quadrature; of one body
@@ -82,7 +85,7 @@ struct StaticSolution {
   std::optional<double> energy_error;
   std::string no_energy_error;              ///< why not
   double residual = 0;                      ///< ‖f - K u - Cᵀ λ‖ / ‖f‖ after one step of refinement
-  Point3 force_balance{}, moment_balance{}; ///< Σ loads + Σ reactions
+  Point3 force_balance{}, moment_balance{}; ///< Σ loads + Σ reactions + Σ forces of springs
   std::vector<std::string> warnings;        ///< of supports and loads on lines and at points
   FactorCost cost;
   std::int64_t num_constraints = 0;

@@ -27,8 +27,9 @@ TimestepOutcome find_timestep(const RunSettings& run, std::span<const TrimmedMod
   outcome.dt_crit = 2 / outcome.omega_max;
   outcome.dt_safe = 2 / outcome.omega_max_bound;
   watch.stage("Lanczos");
-  // Supports and ties add stiffness that no span's own matrix knows of.
-  if (run.supports.empty() && run.ties.empty()) outcome.element = element_bound(outcome.system, run.mass);
+  // Supports, springs and ties add stiffness that no span's own matrix knows of.
+  if (run.supports.empty() && run.springs.empty() && run.ties.empty())
+    outcome.element = element_bound(outcome.system, run.mass);
   if (outcome.element) outcome.dt_element = 2 / outcome.element->omega;
   watch.stage("element bound");
   return outcome;

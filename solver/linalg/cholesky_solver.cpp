@@ -3,9 +3,11 @@
 #include "solver/linalg/blas_threads.hpp"
 #include "solver/linalg/cholmod_common.hpp"
 #include "solver/linalg/free_memory.hpp"
+#include "solver/linalg/low_rank.hpp"
 #include "solver/linalg/node_ordering.hpp"
 #include "solver/linalg/system_columns.hpp"
 
+#include <cassert>
 #include <fmt/format.h>
 
 namespace iga::solve {
@@ -124,9 +126,12 @@ std::unique_ptr<LinearSolver> factorise_positive_definite(const SystemMatrix& sy
             "stiffness indefinite"
           : "either the supports leave a rigid motion free (support more regions or components), or functions on "
             "slivers are dependent to rounding";
-  return std::make_unique<CholeskySolver>(scaled_columns(system),
-                                          expand_order(order_nodes(system.stiffness->pattern()), 3), shifted, advice,
-                                          system.announce);
+  auto plain = std::make_unique<CholeskySolver>(scaled_columns(system),
+                                                expand_order(order_nodes(system.stiffness->pattern()), 3), shifted,
+                                                advice, system.announce);
+  const LowRankRows low_rank = low_rank_rows(system);
+  assert((low_rank.weights.array() > 0).all());
+  return with_low_rank(std::move(plain), low_rank.weights.cwiseSqrt().asDiagonal() * low_rank.rows);
 }
 
 std::unique_ptr<LinearSolver> factorise_mass(const MassMatrix& mass) {

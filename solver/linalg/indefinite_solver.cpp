@@ -2,6 +2,7 @@
 #include "format/model/errors.hpp"
 #include "solver/linalg/blas_threads.hpp"
 #include "solver/linalg/free_memory.hpp"
+#include "solver/linalg/low_rank.hpp"
 #include "solver/linalg/node_ordering.hpp"
 #include "solver/linalg/system_columns.hpp"
 
@@ -22,6 +23,29 @@ constexpr MUMPS_INT world = -987654; ///< MUMPS's name for "all processes", also
 // Pivots below this share of the scaled matrix's norm are zero: what rounding leaves of a redundant constraint.
 constexpr double null_pivot = 1e-13;
 
+/// Rows below the matrix, their diagonal beside them: constraints, with zeros, then parts of low rank. A + w Rᵀ R is
+/// what [A Rᵀ; R -1/w] leaves when its last rows are eliminated.
+struct Border {
+  RowMatrix rows;
+  Eigen::VectorXd diagonal;
+  std::int64_t constraints = 0;
+  std::int64_t negative = 0; ///< rows that bring a negative eigenvalue of their own, of those behind the constraints
+};
+
+Border make_border(const SystemMatrix& system) {
+  const std::int64_t n = system.stiffness->size();
+  Border border;
+  const LowRankRows low_rank = low_rank_rows(system);
+  border.constraints = system.constraints ? system.constraints->rows() : 0;
+  border.rows.resize(border.constraints + low_rank.rows.rows(), n);
+  if (border.constraints > 0) border.rows.topRows(border.constraints) = *system.constraints;
+  if (low_rank.rows.rows() > 0) border.rows.bottomRows(low_rank.rows.rows()) = low_rank.rows;
+  border.diagonal = Eigen::VectorXd::Zero(border.rows.rows());
+  border.diagonal.tail(low_rank.rows.rows()) = -low_rank.weights.cwiseInverse();
+  border.negative = (low_rank.weights.array() > 0).count();
+  return border;
+}
+
 /// The scaled, bordered system by entries, and its elimination order.
 struct Entries {
   std::vector<MUMPS_INT> rows, columns; ///< from 1, lower triangle
@@ -30,10 +54,10 @@ struct Entries {
   Eigen::VectorXd scale;           ///< (size)
 };
 
-// A constraint follows the last of its unknowns: its pivot is zero before one of them is eliminated.
-std::vector<MUMPS_INT> positions(const NodePattern& pattern, const ConstraintMatrix* C) {
+// A row of the border follows the last of its unknowns: a constraint's pivot is zero before one of them is eliminated.
+std::vector<MUMPS_INT> positions(const NodePattern& pattern, const RowMatrix& C) {
   const auto order = expand_order(order_nodes(pattern), 3);
-  const auto n = static_cast<std::int64_t>(order.size()), m = C ? C->rows() : 0;
+  const auto n = static_cast<std::int64_t>(order.size()), m = std::int64_t{C.rows()};
   std::vector<std::int64_t> place(order.size());
   for (std::size_t k = 0; k < order.size(); ++k)
     place[static_cast<std::size_t>(order[k])] = static_cast<std::int64_t>(k);
@@ -42,8 +66,7 @@ std::vector<MUMPS_INT> positions(const NodePattern& pattern, const ConstraintMat
   for (std::int64_t i = 0; i < n; ++i) keys.emplace_back(place[static_cast<std::size_t>(i)], i);
   for (std::int64_t r = 0; r < m; ++r) {
     std::int64_t last = 0;
-    for (ConstraintMatrix::InnerIterator it(*C, r); it; ++it)
-      last = std::max(last, place[static_cast<std::size_t>(it.col())]);
+    for (RowMatrix::InnerIterator it(C, r); it; ++it) last = std::max(last, place[static_cast<std::size_t>(it.col())]);
     keys.emplace_back(last, n + r);
   }
   std::sort(keys.begin(), keys.end());
@@ -53,10 +76,10 @@ std::vector<MUMPS_INT> positions(const NodePattern& pattern, const ConstraintMat
   return position;
 }
 
-Entries make_entries(const SystemMatrix& system) {
-  const ConstraintMatrix* C = system.constraints && system.constraints->rows() > 0 ? system.constraints : nullptr;
+Entries make_entries(const SystemMatrix& system, const Border& border) {
+  const RowMatrix& C = border.rows;
   SystemColumns columns = scaled_columns(system);
-  const std::int64_t n = columns.size(), m = C ? C->rows() : 0;
+  const std::int64_t n = columns.size(), m = C.rows();
   for (std::int64_t j = 0; j < n && system.added > 0; ++j) // the diagonal comes first in its column
     columns.values[static_cast<std::size_t>(columns.offsets[static_cast<std::size_t>(j)])] += system.added;
   if (n + m > std::numeric_limits<MUMPS_INT>::max())
@@ -65,7 +88,7 @@ Entries make_entries(const SystemMatrix& system) {
   e.position = positions(system.stiffness->pattern(), C);
   e.scale.resize(n + m);
   e.scale.head(n) = columns.scale;
-  const std::size_t extra = C ? static_cast<std::size_t>(C->nonZeros()) : 0;
+  const auto extra = static_cast<std::size_t>(C.nonZeros() + m);
   e.rows.reserve(columns.rows.size() + extra);
   e.columns.reserve(columns.rows.size() + extra);
   for (std::int64_t j = 0; j < n; ++j)
@@ -78,21 +101,28 @@ Entries make_entries(const SystemMatrix& system) {
   e.values.reserve(e.values.size() + extra);
   for (std::int64_t r = 0; r < m; ++r) {
     double largest = 0;
-    for (ConstraintMatrix::InnerIterator it(*C, r); it; ++it)
+    for (RowMatrix::InnerIterator it(C, r); it; ++it)
       largest = std::max(largest, std::abs(it.value()) * columns.scale[it.col()]);
     e.scale[n + r] = largest > 0 ? 1 / largest : 1;
-    for (ConstraintMatrix::InnerIterator it(*C, r); it; ++it) {
+    for (RowMatrix::InnerIterator it(C, r); it; ++it) {
       e.rows.push_back(static_cast<MUMPS_INT>(n + r + 1));
       e.columns.push_back(static_cast<MUMPS_INT>(it.col() + 1));
       e.values.push_back(it.value() * columns.scale[it.col()] * e.scale[n + r]);
     }
+    if (border.diagonal[r] == 0) continue;
+    e.rows.push_back(static_cast<MUMPS_INT>(n + r + 1));
+    e.columns.push_back(static_cast<MUMPS_INT>(n + r + 1));
+    e.values.push_back(border.diagonal[r] * e.scale[n + r] * e.scale[n + r]);
   }
   return e;
 }
 
 class MumpsSolver final : public LinearSolver {
  public:
-  MumpsSolver(const SystemMatrix& system, bool keep_factor) : entries_(make_entries(system)) {
+  MumpsSolver(const SystemMatrix& system, bool keep_factor) : MumpsSolver(system, make_border(system), keep_factor) {}
+  MumpsSolver(const SystemMatrix& system, const Border& border, bool keep_factor)
+      : entries_(make_entries(system, border)), size_(system.stiffness->size() + border.constraints),
+        hidden_negative_(border.negative) {
     follow_run_threads();
     mumps_.comm_fortran = world;
     mumps_.par = 1;
@@ -100,7 +130,7 @@ class MumpsSolver final : public LinearSolver {
     call(job_start);
     control(1) = control(2) = control(3) = -1; // no output
     control(4) = 0;
-    mumps_.n = static_cast<MUMPS_INT>(size());
+    mumps_.n = static_cast<MUMPS_INT>(all());
     mumps_.nnz = static_cast<MUMPS_INT8>(entries_.values.size());
     mumps_.irn = entries_.rows.data();
     mumps_.jcn = entries_.columns.data();
@@ -131,26 +161,28 @@ class MumpsSolver final : public LinearSolver {
   using LinearSolver::solve;
   void solve(const double* b, double* x, int columns) const override {
     follow_run_threads();
-    Eigen::Map<Eigen::MatrixXd> y(x, size(), columns);
-    y = entries_.scale.asDiagonal() * Eigen::Map<const Eigen::MatrixXd>(b, size(), columns);
-    mumps_.rhs = x;
+    Eigen::MatrixXd y = Eigen::MatrixXd::Zero(all(), columns);
+    y.topRows(size()) =
+        entries_.scale.head(size()).asDiagonal() * Eigen::Map<const Eigen::MatrixXd>(b, size(), columns);
+    mumps_.rhs = y.data();
     mumps_.nrhs = columns;
-    mumps_.lrhs = static_cast<MUMPS_INT>(size());
+    mumps_.lrhs = static_cast<MUMPS_INT>(all());
     call(job_solve);
     if (mumps_.infog[0] < 0) fail();
-    y = entries_.scale.asDiagonal() * y;
+    Eigen::Map<Eigen::MatrixXd>(x, size(), columns) = entries_.scale.head(size()).asDiagonal() * y.topRows(size());
   }
-  std::int64_t size() const override { return entries_.scale.size(); }
+  std::int64_t size() const override { return size_; }
   FactorCost cost() const override { return cost_; }
   Inertia counts() const {
     Inertia counts;
-    counts.negative = mumps_.infog[11];
+    counts.negative = mumps_.infog[11] - hidden_negative_;
     counts.zero = mumps_.infog[27];
     counts.positive = size() - counts.negative - counts.zero;
     return counts;
   }
 
  private:
+  std::int64_t all() const { return entries_.scale.size(); } // with the rows of low rank behind those of size()
   MUMPS_INT& control(int number) { return mumps_.icntl[number - 1]; }
   void call(int job) const {
     mumps_.job = job;
@@ -189,6 +221,7 @@ class MumpsSolver final : public LinearSolver {
   }
 
   Entries entries_;
+  std::int64_t size_ = 0, hidden_negative_ = 0;
   mutable DMUMPS_STRUC_C mumps_{};
   FactorCost cost_;
 };

@@ -4,13 +4,11 @@
 
 #include "solver/linalg/symmetric_matrix.hpp"
 
-#include <Eigen/SparseCore>
-
 #include <functional>
 
 namespace iga::solve {
 
-using ConstraintMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>; ///< (constraints × unknowns)
+using ConstraintMatrix = RowMatrix; ///< (constraints × unknowns)
 
 /// What a factorisation costs, known from the symbolic analysis before any number is touched.
 struct FactorCost {
@@ -20,7 +18,8 @@ struct FactorCost {
 };
 
 /// A = stiffness - shift · mass, bordered by constraints: [A Cᵀ; C 0]. Pointers may be null but for the stiffness; the
-/// mass is either consistent or lumped (num_nodes).
+/// mass is either consistent or lumped (num_nodes). What matrices have beside their pattern (add_low_rank) is part of
+/// A.
 struct SystemMatrix {
   const StiffnessMatrix* stiffness = nullptr;
   const MassMatrix* mass = nullptr;
@@ -49,12 +48,14 @@ class LinearSolver {
 };
 
 /// Cholesky factor of a positive definite system without constraints, scaled by its diagonal, ordered by nested
-/// dissection of the node graph (METIS).
+/// dissection of the node graph (METIS). With parts of low rank both matrices must be positive definite without them
+/// and the shift at most 0.
 /// @throws InputError where the factor will not fit into the memory that is free, with the estimate
 /// @throws NumericalError where the matrix is not positive definite, naming the likely cause
 std::unique_ptr<LinearSolver> factorise_positive_definite(const SystemMatrix& system);
 
-/// Cholesky factor of a consistent mass matrix over the nodes (one component; size: num_nodes). Throws as above.
+/// Cholesky factor of a consistent mass matrix over the nodes (one component; size: num_nodes), without its part of low
+/// rank. Throws as above.
 std::unique_ptr<LinearSolver> factorise_mass(const MassMatrix& mass);
 
 /// L D Lᵀ of any system, constraints included; redundant constraints are found and given zero multipliers.

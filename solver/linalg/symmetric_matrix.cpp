@@ -211,6 +211,28 @@ void multiply_in_blocks(const NodePattern& pattern, double* y, MultiplyColumns m
 
 } // namespace
 
+namespace {
+
+void append_rows(const RowMatrix& more, RowMatrix& rows) {
+  if (rows.rows() == 0) {
+    rows = more;
+    return;
+  }
+  RowMatrix both(rows.rows() + more.rows(), more.cols());
+  both.topRows(rows.rows()) = rows;
+  both.bottomRows(more.rows()) = more;
+  rows = std::move(both);
+}
+
+// y += Rᵀ R x
+void add_product(const RowMatrix& rows, const double* x, double* y) {
+  if (rows.rows() == 0) return;
+  const Eigen::VectorXd along = rows * Eigen::Map<const Eigen::VectorXd>(x, rows.cols());
+  Eigen::Map<Eigen::VectorXd>(y, rows.cols()) += rows.transpose() * along;
+}
+
+} // namespace
+
 Connectivity::Connectivity(const SolutionSpace& space) : Connectivity(std::array{&space}, {}) {}
 
 Connectivity::Connectivity(std::span<const SolutionSpace* const> spaces,
@@ -279,6 +301,11 @@ void StiffnessMatrix::multiply(const double* x, double* y) const {
       for (std::size_t a = 0; a < 3; ++a) part[3 * (j - first) + a] += yj[a];
     }
   });
+  add_product(low_rank_, x, y);
+}
+
+void StiffnessMatrix::add_low_rank(const RowMatrix& rows) {
+  append_rows(rows, low_rank_);
 }
 
 Eigen::VectorXd StiffnessMatrix::operator*(const Eigen::VectorXd& x) const {
@@ -313,7 +340,16 @@ void MassMatrix::add(std::span<const std::int32_t> nodes, const Eigen::Ref<const
            });
 }
 
+void MassMatrix::add_low_rank(const RowMatrix& rows) {
+  append_rows(rows, low_rank_);
+}
+
 void MassMatrix::multiply(const double* x, double* y) const {
+  multiply_pattern(x, y);
+  add_product(low_rank_, x, y);
+}
+
+void MassMatrix::multiply_pattern(const double* x, double* y) const {
   const NodePattern& p = pattern();
   multiply_in_blocks(p, y, [&](std::size_t first, std::size_t last, double* part) {
     for (std::size_t j = first; j < last; ++j) {
@@ -347,7 +383,8 @@ Eigen::VectorXd MassMatrix::diagonal() const {
 Eigen::VectorXd MassMatrix::row_sums() const {
   Eigen::VectorXd x = Eigen::VectorXd::Zero(size());
   for (Eigen::Index j = 0; j < pattern().num_nodes(); ++j) x[3 * j] = 1;
-  const Eigen::VectorXd y = *this * x;
+  Eigen::VectorXd y(size());
+  multiply_pattern(x.data(), y.data());
   Eigen::VectorXd sums(pattern().num_nodes());
   for (Eigen::Index j = 0; j < sums.size(); ++j) sums[j] = y[3 * j];
   return sums;

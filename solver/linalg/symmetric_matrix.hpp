@@ -3,10 +3,13 @@
 
 #include "solver/space/solution_space.hpp"
 
+#include <Eigen/SparseCore>
 #include <memory>
 #include <tbb/parallel_for.h>
 
 namespace iga::solve {
+
+using RowMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>; ///< few rows over all unknowns
 
 /// Lower triangle, node by node: column j holds the rows i >= j whose shape functions share a span with it, ascending;
 /// the first one is j itself.
@@ -87,6 +90,10 @@ class StiffnessMatrix {
   /// @param nodes  ascending, counted from first_node
   void add(std::span<const std::int32_t> nodes, const Eigen::Ref<const Eigen::MatrixXd>& block,
            std::int32_t first_node = 0);
+  /// Adds Rᵀ R, which does not fit the pattern: values() and diagonal() leave it out, products and factorisations take
+  /// it. @param rows  (rank × size)
+  void add_low_rank(const RowMatrix& rows);
+  const RowMatrix& low_rank() const { return low_rank_; } ///< all rows added so; none: no rows, no columns
   /// y = A x; parallel, the same bits for any number of threads.
   void multiply(const double* x, double* y) const;
   Eigen::VectorXd operator*(const Eigen::VectorXd& x) const;
@@ -95,9 +102,11 @@ class StiffnessMatrix {
  private:
   std::shared_ptr<const Connectivity> connectivity_;
   ZeroedArray values_;
+  RowMatrix low_rank_;
 };
 
-/// Symmetric (n × n) matrix over the nodes that acts on each of the three components alike: a mass matrix.
+/// Symmetric (n × n) matrix over the nodes that acts on each of the three components alike: a mass matrix; with a part
+/// of low rank that does not (StiffnessMatrix::add_low_rank), a rigid body's.
 class MassMatrix {
  public:
   MassMatrix() = default;
@@ -110,14 +119,19 @@ class MassMatrix {
 
   void add(std::span<const std::int32_t> nodes, const Eigen::Ref<const Eigen::MatrixXd>& block,
            std::int32_t first_node = 0);
+  void add_low_rank(const RowMatrix& rows);
+  const RowMatrix& low_rank() const { return low_rank_; }
   void multiply(const double* x, double* y) const;
   Eigen::VectorXd operator*(const Eigen::VectorXd& x) const;
   Eigen::VectorXd diagonal() const; ///< (num_nodes)
-  Eigen::VectorXd row_sums() const; ///< (num_nodes): the lumped mass
+  Eigen::VectorXd row_sums() const; ///< (num_nodes): the lumped mass, without the part of low rank
 
  private:
+  void multiply_pattern(const double* x, double* y) const;
+
   std::shared_ptr<const Connectivity> connectivity_;
   ZeroedArray values_;
+  RowMatrix low_rank_;
 };
 
 } // namespace iga::solve

@@ -6,7 +6,9 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -39,6 +41,10 @@ MassOperator MassOperator::consistent(MassMatrix M) {
   MassOperator op;
   op.size_ = M.size();
   op.total_ = M.row_sums().sum();
+  if (M.low_rank().rows() > 0) {
+    const VectorXd along_x = Eigen::Vector3d::UnitX().replicate(M.pattern().num_nodes(), 1);
+    op.total_ += (M.low_rank() * along_x).squaredNorm();
+  }
   op.matrix_ = std::move(M);
   return op;
 }
@@ -123,7 +129,23 @@ VectorXd MassOperator::operator*(const VectorXd& x) const {
   return y;
 }
 
+// (M₀ + Wᵀ W)⁻¹ by Woodbury's formula.
 void MassOperator::divide(const double* x, double* y, int columns) const {
+  divide_pattern(x, y, columns);
+  if (!has_low_rank()) return;
+  const RowMatrix& W = matrix_->low_rank();
+  if (solved_.cols() == 0) {
+    const Eigen::MatrixXd right = Eigen::MatrixXd(W).transpose();
+    solved_.resize(right.rows(), right.cols());
+    divide_pattern(right.data(), solved_.data(), static_cast<int>(right.cols()));
+    capacity_ = (Eigen::MatrixXd::Identity(W.rows(), W.rows()) + W * solved_).inverse();
+  }
+  Eigen::Map<Eigen::MatrixXd> Y(y, size_, columns);
+  const Eigen::MatrixXd along = W * Y;
+  Y.noalias() -= solved_ * (capacity_ * along);
+}
+
+void MassOperator::divide_pattern(const double* x, double* y, int columns) const {
   if (is_consistent()) {
     if (!factor_) factor_ = factorise_mass(*matrix_);
     const Eigen::Index n = size_ / 3;
@@ -233,13 +255,17 @@ MassOperator make_mass(MassType type, const SolutionSpace& space,
   return make_mass(type, BodySystem(space, material), connectivity);
 }
 
-MassOperator make_mass(MassType type, const BodySystem& system,
-                       const std::shared_ptr<const Connectivity>& connectivity) {
+MassOperator make_mass(MassType type, const BodySystem& system, const std::shared_ptr<const Connectivity>& connectivity,
+                       const AddedMassTerms& added) {
+  assert(added.rows.empty() || type == MassType::Consistent);
   if (type == MassType::Lumped) {
     SparedMasses spared = spare_masses(system);
+    if (added.lumped.size() > 0) spared.masses += added.lumped;
     return MassOperator::lumped(std::move(spared.masses), spared.moved);
   }
   MassMatrix M = assemble_mass(system, connectivity);
+  for (const AddedMassTerms::Block& block : added.blocks) M.add(block.nodes, block.matrix, block.first_node);
+  for (const RowMatrix& rows : added.rows) M.add_low_rank(rows);
   if (type == MassType::Consistent) return MassOperator::consistent(std::move(M));
   MassOperator mass = MassOperator::multi_pass(std::move(M), type == MassType::TwoPass ? 2 : 3);
   const bool extended = std::any_of(system.begin(), system.end(), [](const auto& b) { return b.space->is_extended(); });

@@ -22,6 +22,7 @@ class MassOperator {
 
   std::int64_t size() const { return size_; } ///< unknowns
   int passes() const { return passes_; }      ///< of the inverse: 1 for lumped and consistent
+  bool has_low_rank() const { return matrix_ && matrix_->low_rank().rows() > 0; }
   bool is_consistent() const { return masses_.size() == 0; }
   bool is_lumped() const { return !matrix_; }
   /// M_C; null for the lumped mass.
@@ -42,6 +43,7 @@ class MassOperator {
   void divide(const double* x, double* y, int columns) const;
 
  private:
+  void divide_pattern(const double* x, double* y, int columns) const;
   void series(const Eigen::VectorXd& scaled, Eigen::VectorXd& y) const;
   void multiply_series_inverse(const double* x, double* y) const;
 
@@ -53,6 +55,19 @@ class MassOperator {
   Eigen::VectorXd masses_;         // (num_nodes)
   Eigen::VectorXd root_, inverse_; // (num_unknowns): M_L^(1/2), M_L^(-1/2) (0 for massless functions)
   mutable std::shared_ptr<LinearSolver> factor_;
+  mutable Eigen::MatrixXd solved_, capacity_; // of the part of low rank W: M₀⁻¹ Wᵀ, (I + W M₀⁻¹ Wᵀ)⁻¹
+};
+
+/// Mass that a run has beside its material's.
+struct AddedMassTerms {
+  struct Block {
+    std::vector<std::int32_t> nodes; ///< ascending, counted from first_node
+    std::int32_t first_node = 0;
+    Eigen::MatrixXd matrix; ///< ∫ μ N_i N_j
+  };
+  std::vector<Block> blocks;
+  Eigen::VectorXd lumped;      ///< (num_nodes): row sums of all blocks
+  std::vector<RowMatrix> rows; ///< W of rigid bodies' Wᵀ W, (rank × num_unknowns)
 };
 
 /// Lumped masses that an extension leaves positive. Extrapolation takes mass from a light function's farther masters; a
@@ -69,9 +84,10 @@ Eigen::MatrixXd columns_of(const StiffnessMatrix& K, const Eigen::MatrixXd& X);
 Eigen::MatrixXd columns_of(const MassOperator& M, const Eigen::MatrixXd& X);
 
 /// The mass of a run.
+/// @param added  rigid bodies only with the consistent mass
 /// @throws InputError for two passes on an extended space whose M_L⁻¹ M_C reaches 2
-MassOperator make_mass(MassType type, const BodySystem& system,
-                       const std::shared_ptr<const Connectivity>& connectivity);
+MassOperator make_mass(MassType type, const BodySystem& system, const std::shared_ptr<const Connectivity>& connectivity,
+                       const AddedMassTerms& added = {});
 /// The same of one body.
 MassOperator make_mass(MassType type, const SolutionSpace& space,
                        const std::shared_ptr<const Connectivity>& connectivity, double density);

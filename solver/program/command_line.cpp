@@ -39,7 +39,8 @@ modes_below, largest, sturm, errors, prestress; [buckling] factors, negative, co
 stress = "recovered" or "raw"; [[support]], [[load]], [[probe]]; [[line]] name, body, from, to: linearised stress through a wall. Loads of the whole part: body_force,
 acceleration, centrifugal = { axis, point, speed or rpm, angular_acceleration }. [[case]] name, loads, prescribed; [temperature]
 uniform, formula, file or results, reference; [[bolt]] plane, force, box, length; inertia_relief; [[heat]] temperature, flux,
-power, convection or source.
+power, convection or source. Attached to a choice of surface, a line or a point: [[spring]] stiffness, normal_stiffness,
+tangential_stiffness, axial and to; [[added_mass]] mass, inertia, at.
 Several bodies, instead of model: [[bodies]] name, model, material, place, light_functions, light_threshold; [[ties]] name,
 bodies, first, second, tolerance, method, penalty_factor join their surfaces; supports, loads and probes say their body.
 Paths in it are relative to its folder; flags override it.)";
@@ -228,7 +229,7 @@ CLI::App* add_export(CLI::App& app, Raw& raw, ExportCommand& c) {
   sub->add_flag("--quiet", raw.quiet, "Print errors only")->excludes(json);
   sub->footer(R"(Tables:
   eigen      frequencies, participation, surface, triangles
-  static     reactions, loads, cases, probes, points, surface, triangles
+  static     reactions, springs, loads, cases, probes, points, surface, triangles
   heat       heat, probes, surface, triangles
   harmonic   probe_NAME, support_NAME, modes, fields, surface, triangles; transient the same
   random     rms_NAME, rms_support_NAME, psd_NAME, modes, surface, triangles

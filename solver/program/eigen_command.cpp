@@ -134,6 +134,7 @@ std::string modes_text(const AnalysisRun& run, const EigenOutcome& outcome) {
   add_models(report, run, outcome.system);
   add_regions(report, outcome.regions);
   add_ties(report, outcome.ties);
+  add_attached(report, outcome.attached);
   if (outcome.preload) {
     report.line("prestress", "modes about the state under the loads: (K + K_G) phi = omega^2 M phi");
     add_preload(report, "preload", run, outcome.system, *outcome.preload);
@@ -186,6 +187,7 @@ std::string modes_json(const AnalysisRun& run, const EigenOutcome& outcome) {
   report.add("mass_type", solve::name_of(run.settings.mass)).add("mass", outcome.mass).add("bodies", outcome.bodies);
   report.add("supports", json_of(outcome.regions)).add("constraints", outcome.constraints);
   if (!outcome.ties.empty()) report.add("ties", json_of(outcome.ties));
+  add_attached(report, outcome.attached);
   if (outcome.preload) report.add("preload", json_of(run, outcome.system, *outcome.preload));
   report.add("prestress", outcome.preload.has_value());
   report.add("rigid_modes", modes.rigid).add("mechanisms", modes.mechanisms).add("elastic_modes", modes.elastic);
@@ -211,6 +213,7 @@ std::string largest_text(const AnalysisRun& run, const EigenOutcome& outcome) {
   add_models(report, run, outcome.system);
   add_regions(report, outcome.regions);
   add_ties(report, outcome.ties);
+  add_attached(report, outcome.attached);
   report.line("mass", "{:.8g} ({})", outcome.mass, solve::name_of(run.settings.mass));
   report.line("omega_max", "{:.9g} rad/time (residual {:.1e}), frequency {:.9g}", outcome.omega_max,
               outcome.omega_max_residual, outcome.omega_max / two_pi);
@@ -228,6 +231,7 @@ std::string largest_json(const AnalysisRun& run, const EigenOutcome& outcome) {
   report.add("mass_type", solve::name_of(run.settings.mass)).add("mass", outcome.mass);
   report.add("supports", json_of(outcome.regions));
   if (!outcome.ties.empty()) report.add("ties", json_of(outcome.ties));
+  add_attached(report, outcome.attached);
   report.add("omega_max", outcome.omega_max).add("residual", outcome.omega_max_residual);
   report.add("omega_max_bound", omega_safety * outcome.omega_max).add("dt_crit", 2 / outcome.omega_max);
   if (outcome.element) report.add("omega_spans", outcome.element->omega).add("bound_span", outcome.element->span);
@@ -240,6 +244,7 @@ std::string timestep_text(const AnalysisRun& run, const TimestepOutcome& t) {
   add_models(report, run, t.system);
   add_regions(report, t.regions);
   add_ties(report, t.ties);
+  add_attached(report, t.attached);
   report.line("mass", "{:.8g} ({})", t.mass, solve::name_of(run.settings.mass));
   report.line("omega_max", "{:.6g} rad/time by Lanczos to 1e-3 ({} products)", t.omega_max, t.products);
   report.line("dt_crit", "{:.6g} = 2 / omega_max", t.dt_crit);
@@ -256,6 +261,7 @@ std::string timestep_json(const AnalysisRun& run, const TimestepOutcome& t) {
   add_models(report, run, t.system);
   report.add("mass_type", solve::name_of(run.settings.mass)).add("mass", t.mass).add("supports", json_of(t.regions));
   if (!t.ties.empty()) report.add("ties", json_of(t.ties));
+  add_attached(report, t.attached);
   report.add("omega_max", t.omega_max).add("omega_max_bound", t.omega_max_bound);
   report.add("dt_crit", t.dt_crit).add("dt_safe", t.dt_safe).add("products", t.products);
   if (t.element)

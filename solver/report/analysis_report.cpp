@@ -122,14 +122,88 @@ std::string of_body(const BodySystem& system, std::size_t body) {
   return system.size() == 1 ? "" : fmt::format(" of body '{}'", system[body].name);
 }
 
+namespace {
+
+std::string extent_text(const RegionReport& r) {
+  return r.extent == Extent::Surface ? fmt::format("area {:.8g}", r.area)
+         : r.extent == Extent::Line  ? fmt::format("length {:.8g}", r.length)
+                                     : "a point";
+}
+
+std::string place_text(const RegionReport& r) {
+  return fmt::format("{}{}: {}, centroid ({:.6g})", r.name, r.body.empty() ? "" : fmt::format(" on '{}'", r.body),
+                     extent_text(r), fmt::join(r.centroid, ", "));
+}
+
+io::JsonObject place_json(const RegionReport& r) {
+  io::JsonObject object;
+  object.add("name", r.name).add("area", r.area).add("length", r.length).add("centroid", r.centroid);
+  if (!r.body.empty()) object.add("body", r.body);
+  return object;
+}
+
+} // namespace
+
+std::string text_of(const AttachedParts::OfSpring& spring) {
+  const Spring& s = spring.spring;
+  if (s.to)
+    return fmt::format("{}, to another end at ({:.6g}); stiffness {}", place_text(spring.region),
+                       fmt::join(spring.other, ", "),
+                       s.total ? fmt::format("{:.6g} along its axes, halfway", fmt::join(*s.total, ", "))
+                               : fmt::format("{:.6g} along the line between both", s.axial));
+  return place_text(spring.region) +
+         (s.total ? fmt::format("; stiffness {:.6g} along its axes", fmt::join(*s.total, ", "))
+                  : fmt::format("; stiffness of a unit area {:.6g} along the normal, {:.6g} across", s.normal,
+                                s.tangential));
+}
+
+std::string text_of(const AttachedParts::OfMass& mass) {
+  std::string text = fmt::format("{}; mass {:.8g}", place_text(mass.region), mass.added.mass);
+  if (!mass.added.rigid) return text + (mass.region.extent == Extent::Point ? "" : " spread evenly");
+  const Eigen::Matrix3d& J = mass.added.inertia;
+  return text +
+         fmt::format(", a rigid body about ({:.6g}), inertia xx yy zz xy yz zx {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} "
+                     "{:.6g}, moves with the region's average motion",
+                     fmt::join(mass.centre, ", "), J(0, 0), J(1, 1), J(2, 2), J(0, 1), J(1, 2), J(2, 0));
+}
+
+void add_attached(TextReport& report, const AttachedParts& attached) {
+  for (const auto& spring : attached.springs) report.line("spring", "{}", text_of(spring));
+  double sum = 0;
+  for (const auto& mass : attached.masses) {
+    report.line("added mass", "{}", text_of(mass));
+    sum += mass.added.mass;
+  }
+  if (!attached.masses.empty()) report.line("added", "{:.8g} in all", sum);
+}
+
+void add_attached(io::JsonObject& report, const AttachedParts& attached) {
+  std::vector<io::JsonObject> springs, masses;
+  double sum = 0;
+  for (const auto& [region, spring, other] : attached.springs) {
+    springs.push_back(place_json(region));
+    if (spring.to) springs.back().add("other_centroid", other);
+    if (spring.to && !spring.total) springs.back().add("axial", spring.axial);
+    if (spring.to && !spring.total) continue;
+    if (spring.total)
+      springs.back().add("stiffness", *spring.total);
+    else
+      springs.back().add("normal_stiffness", spring.normal).add("tangential_stiffness", spring.tangential);
+  }
+  for (const auto& [region, added, centre] : attached.masses) {
+    masses.push_back(place_json(region));
+    masses.back().add("mass", added.mass).add("rigid", added.rigid).add("centre", centre);
+    sum += added.mass;
+  }
+  if (!springs.empty()) report.add("springs", springs);
+  if (!masses.empty()) report.add("added_masses", masses).add("added_mass", sum);
+}
+
 void add_regions(TextReport& report, const std::vector<RegionReport>& regions) {
   for (const RegionReport& r : regions)
     report.line("support", "{}{}: {}, centroid ({:.6g}), {} points{}{}", r.name,
-                r.body.empty() ? "" : fmt::format(" on '{}'", r.body),
-                r.extent == Extent::Surface ? fmt::format("area {:.8g}", r.area)
-                : r.extent == Extent::Line  ? fmt::format("length {:.8g}", r.length)
-                                            : "a point",
-                fmt::join(r.centroid, ", "), r.points, r.note.empty() ? "" : "\n", r.note);
+                r.body.empty() ? "" : fmt::format(" on '{}'", r.body), extent_text(r), fmt::join(r.centroid, ", "),
+                r.points, r.note.empty() ? "" : "\n", r.note);
 }
 
 std::vector<io::JsonObject> json_of(const std::vector<RegionReport>& regions) {

@@ -3,6 +3,7 @@
 
 #include "format/io/json_text.hpp"
 #include "format/model/results.hpp"
+#include "solver/analysis/bound_system.hpp"
 #include "solver/analysis/run_settings.hpp"
 #include "solver/output/surface_output.hpp"
 #include "solver/report/analysis_command.hpp"
@@ -63,6 +64,12 @@ std::vector<io::JsonObject> json_of(const std::vector<RegionReport>& regions);
 /// Ties: area tied and largest gap. Nothing where there is none.
 void add_ties(TextReport& report, const std::vector<TieReport>& ties);
 std::vector<io::JsonObject> json_of(const std::vector<TieReport>& ties);
+/// Springs and added masses: where they act, what they are. Nothing where there is none.
+void add_attached(TextReport& report, const AttachedParts& attached);
+void add_attached(io::JsonObject& report, const AttachedParts& attached);
+/// "spring 'mount' on 'plate' at (0, 0, 1): …", without the first word.
+std::string text_of(const AttachedParts::OfSpring& spring);
+std::string text_of(const AttachedParts::OfMass& mass);
 /// " of body 'a'"; nothing where there is one body.
 std::string of_body(const BodySystem& system, std::size_t body);
 /// Results file, timings, peak memory, findings of the model, warnings: the end of every report.

@@ -179,6 +179,18 @@ void visit_heat(const HeatResult& h, const Units& units, const TableVisitor& vis
 
 void visit_statics(const StaticResult& s, const Units& units, const TableVisitor& visit) {
   visit_forces("reactions", s.supports, "method", &SupportResult::method, units, visit);
+  if (!s.springs.empty()) {
+    CsvTable springs("springs", s.springs.size());
+    springs.add("name", [&s](std::size_t row) { return s.springs[row].name; });
+    springs.add(fmt::format("area [{}]", units("length^2")),
+                [&s](std::size_t row) { return fmt::format("{}", s.springs[row].area); });
+    add_vector(springs, "centroid", units("length"), s.springs, &SpringResult::centroid);
+    add_vector(springs, "force", "force", s.springs, &SpringResult::force);
+    add_vector(springs, "moment", units("force*length"), s.springs, &SpringResult::moment);
+    springs.add(fmt::format("energy [{}]", units("force*length")),
+                [&s](std::size_t row) { return fmt::format("{}", s.springs[row].energy); });
+    visit(springs);
+  }
   visit_forces("loads", s.loads, "kind", &LoadResult::kind, units, visit);
   if (!s.cases.empty()) visit_cases(s, units, visit);
   CsvTable probes("probes", s.probes.names.size());

@@ -28,6 +28,7 @@ Point3 point(const std::vector<double>& values, std::size_t k) {
 double force_unit(const StaticSolution& s) {
   double unit = 0;
   for (const SupportResult& support : s.result.supports) unit = std::max(unit, norm(support.force));
+  for (const SpringResult& spring : s.result.springs) unit = std::max(unit, norm(spring.force));
   for (const LoadResult& load : s.result.loads) unit = std::max(unit, norm(load.force));
   // Thermal stress may hold itself: then reactions are rounding of it.
   for (const SupportResult& support : s.result.supports)
@@ -139,6 +140,13 @@ std::string static_text(const StaticSolution& s, const BodySystem& system) {
     note(s.regions[k]);
     line(fmt::format("  reaction {}, moment about the centroid {}", text(r.force, unit), text(r.moment)));
   }
+  for (std::size_t k = 0; k < s.result.springs.size(); ++k) {
+    const SpringResult& r = s.result.springs[k];
+    line("spring " + text_of(s.attached.springs[k]));
+    line(fmt::format("  force {}, moment about the centroid {}, energy {:.8g}", text(r.force, unit), text(r.moment),
+                     r.energy));
+  }
+  for (const auto& mass : s.attached.masses) line("added mass " + text_of(mass));
   for (std::size_t k = 0; k < s.result.loads.size(); ++k) {
     const LoadResult& r = s.result.loads[k];
     const std::string times = s.factors.at(k) == 1 ? "" : fmt::format(" × {:g}", s.factors[k]);
@@ -169,7 +177,9 @@ std::string static_text(const StaticSolution& s, const BodySystem& system) {
   line(fmt::format("balance of forces {}, relative residual {:.2g}", text(s.force_balance, unit), s.residual));
   const StaticResult& r = s.result;
   const char* const holders = s.ties.empty() ? "the supports" : "supports and ties";
-  line(fmt::format("strain energy {:.8g} + penalty energy of {} {:.8g}", r.strain_energy, holders, r.penalty_energy));
+  line(fmt::format("strain energy {:.8g} +{} penalty energy of {} {:.8g}", r.strain_energy,
+                   r.springs.empty() ? "" : fmt::format(" energy of the springs {:.8g} +", r.spring_energy), holders,
+                   r.penalty_energy));
   line(fmt::format(
       "  = work of the loads {:.8g} + of the reactions on prescribed displacements {:.8g} + of the stress on "
       "what {} give way {:.8g}{}; off by {:.2g}",
@@ -227,13 +237,19 @@ CaseEnvelope envelope_of(std::span<const StaticSolution> cases) {
 }
 
 JsonObject static_json(const StaticSolution& s, const BodySystem& system) {
-  std::vector<JsonObject> supports, loads, probes;
+  std::vector<JsonObject> supports, springs, loads, probes;
   for (std::size_t k = 0; k < s.result.supports.size(); ++k) {
     const SupportResult& r = s.result.supports[k];
     supports.push_back(named(r.name, s.regions[k].body));
     supports.back().add("method", r.method).add("area", r.area).add("centroid", r.centroid);
     supports.back().add("length", s.regions[k].length).add("note", s.regions[k].note);
     supports.back().add("force", r.force).add("moment", r.moment);
+  }
+  for (std::size_t k = 0; k < s.result.springs.size(); ++k) {
+    const SpringResult& r = s.result.springs[k];
+    springs.push_back(named(r.name, s.attached.springs[k].region.body));
+    springs.back().add("area", r.area).add("centroid", r.centroid).add("force", r.force).add("moment", r.moment);
+    springs.back().add("energy", r.energy);
   }
   for (std::size_t k = 0; k < s.result.loads.size(); ++k) {
     const LoadResult& r = s.result.loads[k];
@@ -259,6 +275,8 @@ JsonObject static_json(const StaticSolution& s, const BodySystem& system) {
   if (!s.case_name.empty()) report.add("case", s.case_name);
   report.add("unknowns", s.unknowns.size()).add("constraints", s.num_constraints).add("residual", s.residual);
   report.add("supports", supports).add("loads", loads).add("probes", probes);
+  add_attached(report, {{}, s.attached.masses});
+  if (!springs.empty()) report.add("springs", springs).add("spring_energy", s.result.spring_energy);
   report.add("force_balance", s.force_balance).add("moment_balance", s.moment_balance);
   report.add("strain_energy", s.result.strain_energy).add("external_work", s.result.external_work);
   report.add("support_work", s.result.support_work).add("gap_work", s.result.gap_work);

@@ -51,6 +51,11 @@ class BodyStress {
       conditions.supports.push_back(run.settings.supports[k]);
       regions.emplace_back(fmt::format("support '{}'", solution.regions[k].name), solution.regions[k]);
     }
+    const auto attach = [&](const RegionReport& region, const char* kind) {
+      if (region.body == name) regions.emplace_back(fmt::format("{} '{}'", kind, region.name), region);
+    };
+    for (const auto& spring : solution.attached.springs) attach(spring.region, "spring");
+    for (const auto& mass : solution.attached.masses) attach(mass.region, "added mass");
     std::vector<BodyForce> forces;
     for (std::size_t k = 0; k < run.settings.statics.loads.size(); ++k) {
       Load load = scaled(run.settings.statics.loads[k], solution.factors.empty() ? 1 : solution.factors[k]);
@@ -83,6 +88,8 @@ class BodyStress {
     const auto& initial = body_.material.initial_strain;
     if (run.settings.raw_stress || (initial && !initial->is_smooth())) return;
     for (const Tie& tie : run.settings.ties) add_tied(tie, conditions.unknown);
+    const auto& attached = solution.attached.triangles;
+    if (!attached.empty()) conditions.unknown.insert(conditions.unknown.end(), attached[b].begin(), attached[b].end());
     recovery_ = std::make_unique<StressRecovery>(RecoveryProblem{body_.space.get(), &body_.material, unknowns_, force,
                                                                  known_tractions(*body_.space, conditions)});
   }

@@ -32,6 +32,8 @@ std::string name_or(io::SettingsTable& table, const char* what, std::size_t numb
   return table.text("name").value_or(fmt::format("{} {}", what, number));
 }
 
+} // namespace
+
 // As igaprep's grid: `rotation`, 9 numbers row by row whose columns are the frame's axes, or `rotate_axis_angle`, an
 // axis and degrees.
 Rotation read_frame(io::SettingsTable& table) {
@@ -66,6 +68,8 @@ Rotation read_frame(io::SettingsTable& table) {
   return R;
 }
 
+namespace {
+
 /// All keys that choose surface; `given` says whether any was there.
 struct ReadRegion {
   RegionChoice choice;
@@ -99,7 +103,8 @@ void read_patch(io::SettingsTable& table, RegionChoice& choice) {
   if (file) choice.patch = RegionChoice::Patch{*file, tolerance};
 }
 
-// curve, line, point or at: one of them at most.
+} // namespace
+
 PlaceChoice read_place(io::SettingsTable& table) {
   PlaceChoice place;
   const char* first = nullptr;
@@ -127,6 +132,8 @@ PlaceChoice read_place(io::SettingsTable& table) {
   place.at = vector3(table, "at");
   return place;
 }
+
+namespace {
 
 ReadRegion read_region(io::SettingsTable& table) {
   ReadRegion region;
@@ -288,6 +295,11 @@ RegionChoice need_region(io::SettingsTable& table) {
   const ReadRegion region = read_region(table);
   if (!region.given) refuse(table, "region", fmt::format("missing; {}", how_to_choose));
   return region.choice;
+}
+
+std::optional<RegionChoice> region_if_given(io::SettingsTable& table) {
+  const ReadRegion region = read_region(table);
+  return region.given ? std::optional(region.choice) : std::nullopt;
 }
 
 RegionChoice region_or_all(io::SettingsTable& table) {

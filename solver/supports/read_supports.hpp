@@ -49,7 +49,13 @@ std::vector<io::TableKeys> case_keys(const io::SettingsTable& root);
 Load read_load(io::SettingsTable& table, std::size_t number);
 /// The keys that choose surface. @throws InputError where there are none
 RegionChoice need_region(io::SettingsTable& table);
-/// The same; no key at all means the whole surface.
+/// The same; nothing where there is no key.
+std::optional<RegionChoice> region_if_given(io::SettingsTable& table);
+/// curve, line, point or at: one of them at most.
+PlaceChoice read_place(io::SettingsTable& table);
+/// `rotation` or `rotate_axis_angle`; without them the part's axes.
+Rotation read_frame(io::SettingsTable& table);
+/// The same as need_region; no key at all means the whole surface.
 RegionChoice region_or_all(io::SettingsTable& table);
 
 } // namespace iga::solve

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <functional>
 
 namespace iga::solve {
 
@@ -26,7 +27,7 @@ constexpr double small = 1e-4;
 struct Body {
   double volume = 0, radius = 0, support_area = 0;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  Eigen::Matrix<double, 6, 6> held = Eigen::Matrix<double, 6, 6>::Zero(); ///< ∫ (e · v)(e · v) dA over twists
+  Eigen::Matrix<double, 6, 6> held = Eigen::Matrix<double, 6, 6>::Zero(); ///< ∫ (e · v)² dA over twists
   std::vector<std::string> names;                                         ///< of the run's bodies that it consists of
 };
 
@@ -68,31 +69,51 @@ std::vector<Body> measure(const BodySystem& system, const Bodies& bodies) {
   return all;
 }
 
-void add_supports(const SystemBody& part, const Bodies& bodies, std::span<const PreparedSupport> supports,
-                  std::vector<Body>& all) {
-  for (const PreparedSupport& prepared : supports)
-    for (std::size_t s = 0; s < prepared.region.cells.size(); ++s) {
-      const PointBatch batch = gather(part.space->model(), prepared.region, s);
-      Body& body = all[body_of(part, bodies, batch.cell)];
-      // Lines and points count like strips and patches of the body's size.
-      const Extent extent = prepared.region.report.extent;
-      const double width = std::pow(body.radius, extent == Extent::Surface ? 0 : extent == Extent::Line ? 1 : 2);
-      for (std::size_t q = 0; q < batch.size(); ++q) {
-        const double area = width * batch.weights[q];
-        body.support_area += area;
-        const FixedDirections fixed = fixed_directions(prepared, batch.normals[q], batch.positions[q]);
-        for (std::size_t d = 0; d < static_cast<std::size_t>(fixed.count); ++d) {
-          const Eigen::Vector3d e = as_vector(fixed.direction[d]);
-          Twist row;
-          row.head<3>() = e;
-          row.tail<3>() = (as_vector(batch.positions[q]) - body.centre).cross(e) / body.radius;
-          body.held += area * row * row.transpose();
-        }
-      }
+/// What a point of a region holds: the sum of e eᵀ over its held directions e.
+using HeldAt = std::function<Eigen::Matrix3d(const Point3& position, const Point3& normal)>;
+
+void add_region(const SystemBody& part, const Bodies& bodies, const SurfaceRegion& region, const HeldAt& held_at,
+                std::vector<Body>& all) {
+  for (std::size_t s = 0; s < region.cells.size(); ++s) {
+    const PointBatch batch = gather(part.space->model(), region, s);
+    Body& body = all[body_of(part, bodies, batch.cell)];
+    // Lines and points count like strips and patches of the body's size.
+    const Extent extent = region.report.extent;
+    const double width = std::pow(body.radius, extent == Extent::Surface ? 0 : extent == Extent::Line ? 1 : 2);
+    for (std::size_t q = 0; q < batch.size(); ++q) {
+      const double area = width * batch.weights[q];
+      body.support_area += area;
+      Eigen::Matrix<double, 6, 3> twist; // of a unit displacement along each axis there
+      const Eigen::Vector3d arm = (as_vector(batch.positions[q]) - body.centre) / body.radius;
+      for (Eigen::Index d = 0; d < 3; ++d)
+        twist.col(d) << Eigen::Vector3d::Unit(d), arm.cross(Eigen::Vector3d::Unit(d));
+      body.held += area * twist * held_at(batch.positions[q], batch.normals[q]) * twist.transpose();
     }
+  }
 }
 
-// Orthonormal basis of the twists that no support resists.
+HeldAt held_by(const PreparedSupport& support) {
+  return [&support](const Point3& position, const Point3& normal) {
+    const FixedDirections fixed = fixed_directions(support, normal, position);
+    Eigen::Matrix3d held = Eigen::Matrix3d::Zero();
+    for (std::size_t d = 0; d < static_cast<std::size_t>(fixed.count); ++d)
+      held += as_vector(fixed.direction[d]) * as_vector(fixed.direction[d]).transpose();
+    return held;
+  };
+}
+
+// However soft: the directions in which a spring has any stiffness.
+HeldAt held_by(const PreparedSpring& spring) {
+  return [&spring](const Point3&, const Point3& normal) -> Eigen::Matrix3d {
+    const SymmetricEigen3 eigen = symmetric_eigen_3(spring.stiffness(normal));
+    Eigen::Matrix3d held = Eigen::Matrix3d::Zero();
+    for (Eigen::Index k = 0; k < 3; ++k)
+      if (eigen.values[k] > 1e-12 * eigen.values[2]) held += eigen.vectors.col(k) * eigen.vectors.col(k).transpose();
+    return held;
+  };
+}
+
+// Orthonormal basis of the twists that nothing resists.
 Eigen::MatrixXd free_twists(const Body& body) {
   if (!(body.support_area > 0)) return Eigen::MatrixXd::Identity(6, 6);
   const SymmetricEigen eigen = symmetric_eigen(body.held / body.support_area);
@@ -150,16 +171,64 @@ std::vector<std::string> describe(const Body& body, const Eigen::MatrixXd& twist
   return motions;
 }
 
+// Of the twists that each body has free, those combinations that leave springs between bodies without force; by body an
+// orthonormal basis of its part in them.
+void take_springs_between(const BodySystem& system, const Bodies& bodies, std::span<const PreparedSpring> springs,
+                          const std::vector<Body>& all, std::vector<Eigen::MatrixXd>& twists) {
+  Eigen::Index rank = 0, count = 0;
+  for (const PreparedSpring& spring : springs) rank += spring.rows.rows();
+  if (rank == 0) return;
+  std::vector<Eigen::Index> first;
+  for (const Eigen::MatrixXd& free : twists) {
+    first.push_back(count);
+    count += free.cols();
+  }
+  if (count == 0) return;
+  const auto points = system.node_points();
+  Eigen::MatrixXd motions = Eigen::MatrixXd::Zero(system.num_unknowns(), count);
+  for (Eigen::Index i = 0; i < points.rows(); ++i) {
+    const auto b = static_cast<std::size_t>(bodies.of_node[static_cast<std::size_t>(i)]);
+    const Eigen::Vector3d arm = (points.row(i).transpose() - all[b].centre) / all[b].radius;
+    for (Eigen::Index k = 0; k < twists[b].cols(); ++k)
+      motions.block<3, 1>(3 * i, first[b] + k) =
+          twists[b].col(k).head<3>() + Eigen::Vector3d(twists[b].col(k).tail<3>()).cross(arm);
+  }
+  Eigen::MatrixXd stretch = Eigen::MatrixXd::Zero(std::max(rank, count), count);
+  Eigen::Index row = 0;
+  for (const PreparedSpring& spring : springs)
+    for (Eigen::Index k = 0; k < spring.rows.rows(); ++k) {
+      const double size = spring.pull.col(k).norm(); // a soft spring holds as a stiff one does
+      if (size > 0) stretch.row(row++) = Eigen::RowVectorXd(spring.rows.row(k) * motions) / size;
+    }
+  const RightSingular svd = right_singular(stretch);
+  const Eigen::Index held = (svd.values.array() > std::sqrt(free_below)).count();
+  const Eigen::MatrixXd free = svd.vectors.rightCols(count - held);
+  for (std::size_t b = 0; b < twists.size(); ++b) {
+    const Eigen::MatrixXd part = free.middleRows(first[b], twists[b].cols());
+    const SymmetricEigen eigen = symmetric_eigen(part * part.transpose());
+    const Eigen::Index kept = (eigen.values.array() > free_below).count();
+    twists[b] = (twists[b] * eigen.vectors.rightCols(kept)).eval();
+  }
+}
+
 } // namespace
 
 std::vector<std::string> free_rigid_motions(const BodySystem& system, const NodePattern& pattern,
-                                            std::span<const SupportTerms> supports) {
+                                            std::span<const SupportTerms> supports,
+                                            std::span<const PreparedSpring> springs) {
   const Bodies bodies = separate_bodies(pattern);
   std::vector<Body> all = measure(system, bodies);
-  for (std::size_t b = 0; b < system.size(); ++b) add_supports(system[b], bodies, supports[b].prepared, all);
+  for (std::size_t b = 0; b < system.size(); ++b)
+    for (const PreparedSupport& support : supports[b].prepared)
+      add_region(system[b], bodies, support.region, held_by(support), all);
+  for (const PreparedSpring& spring : springs)
+    if (spring.is_grounded()) add_region(system[spring.body], bodies, spring.region, held_by(spring), all);
+  std::vector<Eigen::MatrixXd> free;
+  for (const Body& body : all) free.push_back(free_twists(body));
+  take_springs_between(system, bodies, springs, all, free);
   std::vector<std::string> lines;
   for (std::size_t b = 0; b < all.size(); ++b) {
-    const Eigen::MatrixXd twists = free_twists(all[b]);
+    const Eigen::MatrixXd& twists = free[b];
     if (twists.cols() == 0) continue;
     const std::string names = system.size() == 1 ? ""
                                                  : fmt::format(", {}'{}'", all[b].names.size() > 1 ? "tied: " : "",

@@ -93,8 +93,6 @@ class CoarseFunctions {
   std::array<int, 3> cells_{};
 };
 
-using RowMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
-
 /// Rows ∫ m N dA for the multipliers m of one direction, over columns (nodes, or unknowns where the direction turns
 /// with the surface), with ∫ m u_D.
 struct Rows {

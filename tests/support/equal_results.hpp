@@ -64,6 +64,15 @@ inline void expect_equal(const SupportResult& a, const SupportResult& b) {
   EXPECT_EQ(a.moment, b.moment);
 }
 
+inline void expect_equal(const SpringResult& a, const SpringResult& b) {
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.area, b.area);
+  EXPECT_EQ(a.centroid, b.centroid);
+  EXPECT_EQ(a.force, b.force);
+  EXPECT_EQ(a.moment, b.moment);
+  EXPECT_EQ(a.energy, b.energy);
+}
+
 inline void expect_equal(const LoadResult& a, const LoadResult& b) {
   EXPECT_EQ(a.name, b.name);
   EXPECT_EQ(a.kind, b.kind);
@@ -113,6 +122,9 @@ inline void expect_equal(const StaticResult& a, const StaticResult& b) {
   expect_equal(a.probes.fields, b.probes.fields);
   ASSERT_EQ(a.supports.size(), b.supports.size());
   for (std::size_t i = 0; i < a.supports.size(); ++i) expect_equal(a.supports[i], b.supports[i]);
+  EXPECT_EQ(a.spring_energy, b.spring_energy);
+  ASSERT_EQ(a.springs.size(), b.springs.size());
+  for (std::size_t i = 0; i < a.springs.size(); ++i) expect_equal(a.springs[i], b.springs[i]);
   ASSERT_EQ(a.loads.size(), b.loads.size());
   for (std::size_t i = 0; i < a.loads.size(); ++i) expect_equal(a.loads[i], b.loads[i]);
 }

@@ -99,6 +99,8 @@ StaticResult make_static(const TrimmedModel& model) {
   s.probes = {{"tip"}, {1, 2, 3}, {{4, 5, 6}, counted(6, 7), counted(6, 8), {9}}};
   s.supports = {{"Wand", "nitsche", 2.5, {1, 2, 3}, {4, 5, 6}, {7, 8, 9}},
                 {"symmetry", "lagrange", 3.5, {11, 12, 13}, {14, 15, 16}, {17, 18, 19}}};
+  s.spring_energy = 0.25;
+  s.springs = {{"mount", 1.5, {1, 2, 3}, {4, 5, 6}, {7, 8, 9}, 0.25}};
   s.loads = {{"weight", "body force", 0, {1, 1, 1}, {0, 0, -2}, {0, 0, 0}},
              {"wind", "pressure", 4, {2, 2, 2}, {3, 0, 0}, {0, 1, 0}},
              {"nail", "point", 0, {5, 5, 5}, {0, 6, 0}, {0, 0, 0}}};
