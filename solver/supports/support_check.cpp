@@ -204,6 +204,7 @@ void take_springs_between(const BodySystem& system, const Bodies& bodies, std::s
   const Eigen::Index held = (svd.values.array() > std::sqrt(free_below)).count();
   const Eigen::MatrixXd free = svd.vectors.rightCols(count - held);
   for (std::size_t b = 0; b < twists.size(); ++b) {
+    if (twists[b].cols() == 0) continue;
     const Eigen::MatrixXd part = free.middleRows(first[b], twists[b].cols());
     const SymmetricEigen eigen = symmetric_eigen(part * part.transpose());
     const Eigen::Index kept = (eigen.values.array() > free_below).count();
