@@ -92,7 +92,7 @@ std::vector<JsonObject> json_of(const std::vector<BoltReport>& bolts) {
   return list;
 }
 
-JsonObject json_of(const RigidMotion& motion) {
+JsonObject json_of(const RegionMotion& motion) {
   return JsonObject().add("at", motion.at).add("displacement", motion.displacement).add("rotation", motion.rotation);
 }
 

@@ -121,8 +121,8 @@ double RigidRegions::energy(const Eigen::VectorXd& u) const {
   return energy;
 }
 
-std::vector<std::pair<std::size_t, RigidMotion>> RigidRegions::motions(const Eigen::VectorXd& u) const {
-  std::vector<std::pair<std::size_t, RigidMotion>> all;
+std::vector<std::pair<std::size_t, RegionMotion>> RigidRegions::motions(const Eigen::VectorXd& u) const {
+  std::vector<std::pair<std::size_t, RegionMotion>> all;
   for (std::size_t k = 0; k < regions_.size(); ++k) {
     const Region& r = regions_[k];
     const Eigen::Matrix<double, 6, 1> motion = motion_of(k, u);

@@ -9,7 +9,7 @@ namespace iga::solve {
 
 /// Motion of a rigid region: the place where its load acts moves by `displacement`, the region turns by `rotation`
 /// (along the axis, radians).
-struct RigidMotion {
+struct RegionMotion {
   Point3 at{}, displacement{}, rotation{};
 };
 
@@ -33,7 +33,7 @@ class RigidRegions {
   /// Penalty energy of all regions, force · length.
   double energy(const Eigen::VectorXd& u) const;
   /// Motions of the regions, and the loads that they belong to.
-  std::vector<std::pair<std::size_t, RigidMotion>> motions(const Eigen::VectorXd& u) const;
+  std::vector<std::pair<std::size_t, RegionMotion>> motions(const Eigen::VectorXd& u) const;
 
  private:
   struct Region {

@@ -152,9 +152,12 @@ TEST(Nonlinear, TangentIsDerivativeOfResidual) {
         F << 0.9, 0.1, 0, -0.1, 1.05, 0.1, 0.1, 0, 1.1;
       const Eigen::VectorXd u = uniform(space, F) + random_vector(space.num_unknowns(), 0.01, 1);
       const Eigen::VectorXd v = random_vector(space.num_unknowns(), 1, 2);
-      constexpr double step = 1e-6;
-      const Eigen::VectorXd difference =
-          (statics.residual(u - step * v, 0.7).r - statics.residual(u + step * v, 0.7).r) / (2 * step);
+      const auto derivative = [&](const Eigen::VectorXd& direction) -> Eigen::VectorXd {
+        const double step = 1e-6 * v.norm() / direction.norm();
+        return (statics.residual(u - step * direction, 0.7).r - statics.residual(u + step * direction, 0.7).r) /
+               (2 * step);
+      };
+      const Eigen::VectorXd difference = derivative(v);
       Tangent A = statics.make_tangent();
       EXPECT_EQ(A.symmetric, !pressure && std::string(law) != "j2" && std::string(law) != "foam");
       statics.tangent(u, 0.7, A);
@@ -162,7 +165,8 @@ TEST(Nonlinear, TangentIsDerivativeOfResidual) {
         EXPECT_LT((A.lower * v - difference).norm(), 1e-7 * difference.norm()) << law;
       } else {
         const Eigen::VectorXd back = factorise_unsymmetric(A.lower, A.upper)->solve(difference);
-        EXPECT_LT((back - v).norm(), 1e-5 * v.norm()) << law;
+        // Directions in which hardly anything resists may come back changed: what they do to the residual counts.
+        EXPECT_LT(derivative(back - v).norm(), 1e-6 * difference.norm()) << law;
       }
     }
 }

@@ -432,7 +432,7 @@ TEST(RemoteLoads, RigidRegionsMoveAsOne) {
     settings.loads = {load};
     const StaticSolution s = run_static(run_with({clamp}), settings, space);
     ASSERT_EQ(s.motions.size(), 1u);
-    const RigidMotion& motion = s.motions[0].second;
+    const RegionMotion& motion = s.motions[0].second;
     expect_near(motion.at, *load.remote, 0);
     // Work of force and moment on the motion of their place.
     const double work = 0.5 * (dot(load.vector, motion.displacement) + dot(load.moment, motion.rotation));

@@ -344,7 +344,7 @@ TEST(Ties, LinesAndRigidRegionsBelongToBodies) {
   EXPECT_EQ(s.regions[1].body, "b");
   EXPECT_NEAR(s.regions[1].length, 1, 1e-12);
   ASSERT_EQ(s.motions.size(), 1u);
-  const RigidMotion& motion = s.motions[0].second;
+  const RegionMotion& motion = s.motions[0].second;
   const double work = 0.5 * (dot(load.vector, motion.displacement) + dot(load.moment, motion.rotation));
   EXPECT_NEAR(s.result.external_work / work, 1, 1e-9);
   EXPECT_LT(energy_defect(s.result), 1e-8);
