@@ -121,7 +121,7 @@ Eigen::VectorXd NonlinearStatics::solve(const Eigen::VectorXd& r, StepReport& re
   }
 }
 
-bool NonlinearStatics::equilibrate(double factor, Eigen::VectorXd& u, StepReport& report,
+bool NonlinearStatics::equilibrate(double factor, bool search, Eigen::VectorXd& u, StepReport& report,
                                    const std::function<void(const std::string&)>& show) {
   Residual now = residual(u, factor);
   for (int iteration = 1; iteration <= settings_.max_iterations; ++iteration) {
@@ -139,7 +139,7 @@ bool NonlinearStatics::equilibrate(double factor, Eigen::VectorXd& u, StepReport
     const double first = now.r.dot(step);
     double share = 1, best_share = 0, best_slope = std::numeric_limits<double>::infinity();
     Residual best;
-    for (int search = 0; search < most_searches; ++search) {
+    for (int attempt = 0; attempt < most_searches; ++attempt) {
       Residual tried = residual(u + share * step, factor);
       const double slope = tried.r.dot(step);
       const bool sound = std::isfinite(slope) && tried.points.inverted <= now.points.inverted;
@@ -148,7 +148,8 @@ bool NonlinearStatics::equilibrate(double factor, Eigen::VectorXd& u, StepReport
         best_share = share;
         best = std::move(tried);
       }
-      if (sound && (std::abs(slope) <= enough * std::abs(first) || best.r.norm() <= settings_.tolerance * best.size))
+      if (sound &&
+          (!search || std::abs(slope) <= enough * std::abs(first) || best.r.norm() <= settings_.tolerance * best.size))
         break;
       const double root = sound && slope != first ? share * first / (first - slope) : 0;
       share = root > 0.1 * share && root < 0.9 * share ? root : 0.5 * share;
@@ -175,7 +176,16 @@ StepReport NonlinearStatics::advance(double target, const std::function<void(con
     const double factor = to_the_end ? target : state_.factor + state_.increment;
     Eigen::VectorXd u = state_.u;
     StepReport report;
-    if (equilibrate(factor, u, report, show)) {
+    // Whole steps first: in slender parts they stretch and then relax, which a search along each would stop at once.
+    bool found = equilibrate(factor, false, u, report, show);
+    if (!found) {
+      u = state_.u;
+      const int spent = report.iterations;
+      report = {};
+      report.iterations = spent;
+      found = equilibrate(factor, true, u, report, show);
+    }
+    if (found) {
       const Eigen::VectorXd moved = u - state_.u;
       const Residual before = residual(state_.u, state_.factor), after = residual(u, factor);
       state_.work += 0.5 * (before.internal + after.internal).dot(moved);

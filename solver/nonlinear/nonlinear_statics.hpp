@@ -82,7 +82,8 @@ class NonlinearStatics {
   void add_loads(const NonlinearRun& run);
   void add_supports(const NonlinearRun& run);
   /// Newton's method at a fixed λ; false where it does not converge.
-  bool equilibrate(double factor, Eigen::VectorXd& u, StepReport& report,
+  /// @param search  along each step, else steps are whole as long as no point is crushed
+  bool equilibrate(double factor, bool search, Eigen::VectorXd& u, StepReport& report,
                    const std::function<void(const std::string&)>& show);
   Eigen::VectorXd solve(const Eigen::VectorXd& r, StepReport& report) const;
 

@@ -1,0 +1,152 @@
+"""Large displacement and large strain.
+
+`igasolve nonlinear`: Newton's method in load steps, the laws of explicit runs.
+"""
+import numpy as np
+from scipy.integrate import solve_bvp, trapezoid
+from scipy.optimize import brentq
+
+from book import case, parts
+from book.run import probe
+from igatools import iga_results
+
+plane = lambda name, fixed, point, normal, **more: {  # noqa: E731
+    "name": name, "fixed": fixed, "plane": {"point": point, "normal": normal}, **more}
+
+
+def lame(E, nu):
+    return E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu))
+
+
+# Cantilever under an end force that keeps its direction. Slender, nu = 0: a beam that neither shears nor stretches, to 1e-3.
+
+LENGTH, DEPTH, BEAM_E = 100.0, 1.0, 12e4   # mm, MPa: E I = 1e4 N mm²
+BEND = BEAM_E * DEPTH**4 / 12 / LENGTH**2  # N of P L² / (E I) = 1
+
+
+def elastica(load):
+    """Tip of an inextensible cantilever under P L² / (E I) = load: (w / L, u / L)."""
+    def slopes(s, y):
+        return np.vstack([y[1], -load * np.cos(y[0])])
+    s = np.linspace(0, 1, 201)
+    found = solve_bvp(slopes, lambda a, b: np.array([a[0], b[1]]), s, np.vstack([np.arctan(load / 3 * s), 0.5 * (1 - s)]), tol=1e-10,
+                      max_nodes=100000)
+    t = np.linspace(0, 1, 20001)
+    angle = found.sol(t)[0]
+    return trapezoid(np.sin(angle), t), 1 - trapezoid(np.cos(angle), t)
+
+
+def elastica_values():
+    (w1, u1), (w10, u10) = elastica(1.0), elastica(10.0)
+    return {"w/L, PL²/EI = 1": w1, "w/L, PL²/EI = 10": w10, "u/L, PL²/EI = 10": u10}
+
+
+def tip_values(first, last):
+    """Of the tip's displacements at a tenth of the load and at all of it."""
+    return {"w/L, PL²/EI = 1": -first[2] / LENGTH, "w/L, PL²/EI = 10": -last[2] / LENGTH, "u/L, PL²/EI = 10": -last[0] / LENGTH}
+
+
+@case(id="elastica", title="Cantilever bent far by a force at its end", quick=True,
+      geometry="Bar 100 × 1 × 1 mm, clamped, a force across its end that keeps its direction, ten load steps", material="E = 120 GPa, ν = 0, "
+      "St. Venant–Kirchhoff",
+      source="Euler's elastica, integrated; Mattiasson, Int. J. Numer. Meth. Eng. 17 (1981) 145: 0.30172, 0.81061, 0.55500",
+      unit={"w/L, PL²/EI = 1": "1", "w/L, PL²/EI = 10": "1", "u/L, PL²/EI = 10": "1"}, exact=elastica_values, grids=(10.0, 6.0, 4.0),
+      tolerance=2e-3, notes="Degree 3; spans of the given length along the bar, one across it.")
+def elastica_beam(run, span):
+    run.model(parts.box((0, 0, 0), (LENGTH, DEPTH, DEPTH)), (span, DEPTH, DEPTH), 3)
+    _, file = run.solve("nonlinear", {
+        "material": {"law": "st-venant-kirchhoff", "E": BEAM_E, "nu": 0.0},
+        "support": [plane("root", "xyz", [0, 0, 0], [1, 0, 0])],
+        "load": [{"name": "tip", "force": [0, 0, -10 * BEND], "plane": {"point": [LENGTH, 0, 0], "normal": [1, 0, 0]}}],
+        "probe": [{"name": "tip", "position": [LENGTH, DEPTH / 2, DEPTH / 2]}],
+        "nonlinear": {"steps": 10}}, results=True)
+    steps = iga_results.read(file)["/time_series/probe/tip/displacement"]
+    return tip_values(steps[0], steps[9])
+
+
+# Uniaxial tension of rubber.
+
+RUBBER_E, RUBBER_NU = 3.0, 0.45
+
+
+def uniaxial(stretch, E, nu):
+    """Nominal stress and the stretch across of the compressible neo-Hookean law."""
+    lam, mu = lame(E, nu)
+    stress = lambda along, J, other: mu * along + (lam * np.log(J) - mu) / along  # noqa: E731
+    across = brentq(lambda b: stress(b, stretch * b * b, stretch), 0.3, 1.5, xtol=1e-14)
+    return stress(stretch, stretch * across**2, across), across
+
+
+@case(id="rubber_bar", title="Rubber bar drawn to twice its length", quick=True,
+      geometry="Bar 20 × 10 × 10 mm between three planes of symmetry, dead traction on its end", material="E = 3 MPa, ν = 0.45, neo-Hookean",
+      source="the law itself (Bonet & Wood 2008, 6.4.3), its uniaxial state solved for", unit={"u at the end": "mm", "u across": "mm"},
+      exact=lambda: {"u at the end": 20.0, "u across": 10 * (uniaxial(2.0, RUBBER_E, RUBBER_NU)[1] - 1)}, grids=(8.0, 5.0, 3.5),
+      tolerance=1e-3, notes="A uniform state: the error is what the supports, held by penalty, give way.")
+def rubber_bar(run, span):
+    run.model(parts.box((0, 0, 0), (20, 10, 10)), span)
+    report = run.solve("nonlinear", {
+        "material": {"law": "neo-hookean", "E": RUBBER_E, "nu": RUBBER_NU},
+        "support": [plane("x", "normal", [0, 0, 0], [1, 0, 0]), plane("y", "normal", [0, 0, 0], [0, 1, 0]),
+                    plane("z", "normal", [0, 0, 0], [0, 0, 1])],
+        "load": [{"name": "pull", "traction": [uniaxial(2.0, RUBBER_E, RUBBER_NU)[0], 0, 0],
+                  "plane": {"point": [20, 0, 0], "normal": [1, 0, 0]}}],
+        "probe": [{"name": "end", "position": [20, 5, 5]}, {"name": "side", "position": [10, 10, 5]}],
+        "nonlinear": {"steps": 5}})
+    return {"u at the end": probe(report, "end")["displacement"][0], "u across": probe(report, "side")["displacement"][1]}
+
+
+# A thick sphere of rubber inflated by pressure that follows its bore.
+
+BALL_INNER, BALL_OUTER, BALL_PRESSURE = 10.0, 20.0, 0.8
+
+
+def inflated_sphere(pressure):
+    """Radial displacement u(R) of the compressible neo-Hookean sphere: P_rr' + 2 (P_rr - P_tt) / R = 0 in R, r and r'."""
+    lam, mu = lame(RUBBER_E, RUBBER_NU)
+
+    def stresses(a, b):  # stretches along and across the radius
+        log = np.log(a * b * b)
+        return mu * a + (lam * log - mu) / a, mu * b + (lam * log - mu) / b
+
+    def slopes(R, y):
+        r, a = y
+        b, db = r / R, (a - r / R) / R
+        along, across = stresses(a, b)
+        by_a, by_b = mu + (lam + mu - lam * np.log(a * b * b)) / a**2, 2 * lam / (a * b)
+        return np.vstack([a, (-2 / R * (along - across) - by_b * db) / by_a])
+
+    def ends(low, high):
+        inside = stresses(low[1], low[0] / BALL_INNER)[0] + step * (low[0] / BALL_INNER) ** 2  # P_rr = -p (r / R)²
+        return np.array([inside, stresses(high[1], high[0] / BALL_OUTER)[0]])
+
+    R = np.linspace(BALL_INNER, BALL_OUTER, 101)
+    y = np.vstack([R, np.ones_like(R)])
+    for step in np.linspace(0, pressure, 9)[1:]:
+        found = solve_bvp(slopes, ends, R, y, tol=1e-9, max_nodes=100000)
+        R, y = found.x, found.y
+    return found.sol
+
+
+def sphere_values():
+    found = inflated_sphere(BALL_PRESSURE)
+    return {"u of the bore": found(BALL_INNER)[0] - BALL_INNER, "u outside": found(BALL_OUTER)[0] - BALL_OUTER}
+
+
+@case(id="rubber_sphere", title="Thick rubber sphere inflated by pressure",
+      geometry="Eighth of a hollow sphere, radii 10 and 20 mm, between planes of symmetry; 0.8 MPa on the bore follow it",
+      material="E = 3 MPa, ν = 0.45, neo-Hookean", source="radial equilibrium, a boundary value problem solved to 1e-9",
+      unit={"u of the bore": "mm", "u outside": "mm"}, exact=sphere_values, grids=(6.0, 4.5, 3.5),
+      tolerance=1e-2)
+def rubber_sphere(run, span):
+    shell = parts.octant(BALL_INNER, BALL_OUTER, 24)
+    run.surface("bore", parts.where(shell, lambda x: np.linalg.norm(x, axis=1) < BALL_INNER * (1 + 1e-6)))
+    run.model(shell, span)
+    along = np.ones(3) / np.sqrt(3)
+    report = run.solve("nonlinear", {
+        "material": {"law": "neo-hookean", "E": RUBBER_E, "nu": RUBBER_NU},
+        "support": [plane(axis, "normal", [0, 0, 0], list(np.eye(3)[k])) for k, axis in enumerate("xyz")],
+        "load": [{"name": "pressure", "pressure": BALL_PRESSURE, "patch": "bore.stl"}],
+        "probe": [{"name": "bore", "position": list(BALL_INNER * along)}, {"name": "outside", "position": list(BALL_OUTER * along)}],
+        "nonlinear": {"steps": 4}})
+    return {"u of the bore": float(along @ probe(report, "bore")["displacement"]),
+            "u outside": float(along @ probe(report, "outside")["displacement"])}
