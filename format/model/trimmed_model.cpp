@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
-#include <ranges>
 
 namespace iga {
 
@@ -163,9 +162,15 @@ FunctionCells CellUnknowns::by_unknown() const {
 }
 
 std::size_t CellLinks::first_from(std::pair<std::int32_t, std::int32_t> pair) const {
-  const auto all = std::views::iota(std::size_t{0}, size());
-  return static_cast<std::size_t>(std::ranges::lower_bound(all, pair, {}, [&](std::size_t l) { return (*this)[l]; }) -
-                                  all.begin());
+  std::size_t first = 0, last = size(); // of a search by halves: clang 14 does not take views of g++'s library
+  while (first < last) {
+    const std::size_t middle = first + (last - first) / 2;
+    if ((*this)[middle] < pair)
+      first = middle + 1;
+    else
+      last = middle;
+  }
+  return first;
 }
 
 std::vector<std::int32_t> connected_parts(const TrimmedModel& model) {

@@ -73,8 +73,11 @@ QuadratureResult place_points(const SplineGrid& grid, const Trimming& trimming, 
       if (is_interior(trimming, a)) {
         interior_rules.for_points(a, [&](const Point3& t, double weight) { put(t.data(), weight); });
       } else {
-        for (const auto last = static_cast<std::size_t>(points.offsets[a + 1]); g < last; ++own)
+        const auto last = static_cast<std::size_t>(points.offsets[a + 1]);
+        while (g < last) {
           put(&block.points[3 * own], block.weights[own]);
+          ++own;
+        }
       }
     }
     rules.release(b);

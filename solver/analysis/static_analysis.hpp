@@ -71,7 +71,7 @@ struct StaticSolution {
   std::vector<Reaction> reactions;       ///< about the origin
   std::vector<std::string> probe_bodies; ///< by probe; empty names where there is one body
   std::vector<std::pair<std::size_t, RegionMotion>> motions; ///< of rigid regions, with the numbers of their loads
-  std::vector<RigidAcceleration> relief;                    ///< by mechanical body, under inertia relief
+  std::vector<RigidAcceleration> relief;                     ///< by mechanical body, under inertia relief
   std::vector<TemperatureReport> temperatures;
   std::vector<BoltReport> bolts;
   AttachedParts attached;                 ///< springs and added masses
