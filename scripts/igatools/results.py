@@ -158,7 +158,8 @@ class Results(Labels, iga_results.Results):
         return found
 
     def stress(self, points, mode=None, body=None):
-        """Stresses at points, (n, 6): xx yy zz xy yz zx, force/length^2; nan outside. Of statics and modes with one body."""
+        """Stresses at points, (n, 6): xx yy zz xy yz zx, force/length^2; nan outside. Of statics and modes with one body.
+        They are those of the displacements; at probes and on the surface of statics files hold recovered ones, which are better."""
         if len(self.bodies) > 1:
             raise ValueError(f"{self.path}: the file holds the material of one body only; stresses of several are not evaluated")
         if self.analysis == "static" and "initial_strain_work" in self.attributes["/static"]:

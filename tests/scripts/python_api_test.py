@@ -163,6 +163,8 @@ class Fields(unittest.TestCase):
             at = static[f"/static/{group}/position"]
             for found, name in ((static.displacement(at), "displacement"), (static.strain(at), "strain"),
                                 (static.stress(at), "stress"), (static.von_mises(at), "von_mises")):
+                if group == "probes" and name in ("stress", "von_mises"):
+                    continue  # recovered stress, which is not that of the displacements
                 stored = static[f"/static/{group}/{name}"]
                 np.testing.assert_allclose(found, stored, rtol=0, atol=1e-10 * np.abs(stored).max(), err_msg=name)
         outside = static.displacement([[20, 5, 5], [20, 5, 12], [-40, 0, 0]])
