@@ -1,24 +1,15 @@
-// Symmetric indefinite systems by the multifrontal solver MUMPS: Amestoy, Duff, Koster, L'Excellent (2001).
-#include "format/model/errors.hpp"
-#include "solver/linalg/blas_threads.hpp"
-#include "solver/linalg/free_memory.hpp"
+// Symmetric indefinite systems by MUMPS.
 #include "solver/linalg/low_rank.hpp"
+#include "solver/linalg/mumps_factor.hpp"
 #include "solver/linalg/node_ordering.hpp"
 #include "solver/linalg/system_columns.hpp"
 
-#include <dmumps_c.h>
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace iga::solve {
 
 namespace {
-
-constexpr int job_start = -1, job_end = -2, job_analyse = 1, job_factorise = 2, job_solve = 3;
-constexpr MUMPS_INT world = -987654; ///< MUMPS's name for "all processes", also where there is just one
 
 // Pivots below this share of the scaled matrix's norm are zero: what rounding leaves of a redundant constraint.
 constexpr double null_pivot = 1e-13;
@@ -46,14 +37,6 @@ Border make_border(const SystemMatrix& system) {
   return border;
 }
 
-/// The scaled, bordered system by entries, and its elimination order.
-struct Entries {
-  std::vector<MUMPS_INT> rows, columns; ///< from 1, lower triangle
-  std::vector<double> values;
-  std::vector<MUMPS_INT> position; ///< (size): place of each unknown in the elimination, from 1
-  Eigen::VectorXd scale;           ///< (size)
-};
-
 // A row of the border follows the last of its unknowns: a constraint's pivot is zero before one of them is eliminated.
 std::vector<MUMPS_INT> positions(const NodePattern& pattern, const RowMatrix& C) {
   const auto order = expand_order(order_nodes(pattern), 3);
@@ -76,15 +59,15 @@ std::vector<MUMPS_INT> positions(const NodePattern& pattern, const RowMatrix& C)
   return position;
 }
 
-Entries make_entries(const SystemMatrix& system, const Border& border) {
+// The scaled, bordered system.
+MumpsEntries make_entries(const SystemMatrix& system, const Border& border) {
   const RowMatrix& C = border.rows;
   SystemColumns columns = scaled_columns(system);
   const std::int64_t n = columns.size(), m = C.rows();
   for (std::int64_t j = 0; j < n && system.added > 0; ++j) // the diagonal comes first in its column
     columns.values[static_cast<std::size_t>(columns.offsets[static_cast<std::size_t>(j)])] += system.added;
-  if (n + m > std::numeric_limits<MUMPS_INT>::max())
-    throw InputError(fmt::format("{} unknowns are more than MUMPS can number; use larger spans", n + m));
-  Entries e;
+  need_mumps_numbers(n + m);
+  MumpsEntries e;
   e.position = positions(system.stiffness->pattern(), C);
   e.scale.resize(n + m);
   e.scale.head(n) = columns.scale;
@@ -117,123 +100,56 @@ Entries make_entries(const SystemMatrix& system, const Border& border) {
   return e;
 }
 
-class MumpsSolver final : public LinearSolver {
+class IndefiniteSolver final : public LinearSolver {
  public:
-  MumpsSolver(const SystemMatrix& system, bool keep_factor) : MumpsSolver(system, make_border(system), keep_factor) {}
-  MumpsSolver(const SystemMatrix& system, const Border& border, bool keep_factor)
-      : entries_(make_entries(system, border)), size_(system.stiffness->size() + border.constraints),
-        hidden_negative_(border.negative) {
-    follow_run_threads();
-    mumps_.comm_fortran = world;
-    mumps_.par = 1;
-    mumps_.sym = 2;
-    call(job_start);
-    control(1) = control(2) = control(3) = -1; // no output
-    control(4) = 0;
-    mumps_.n = static_cast<MUMPS_INT>(all());
-    mumps_.nnz = static_cast<MUMPS_INT8>(entries_.values.size());
-    mumps_.irn = entries_.rows.data();
-    mumps_.jcn = entries_.columns.data();
-    mumps_.a = entries_.values.data();
-    mumps_.perm_in = entries_.position.data();
-    control(6) = 0;  // rows stay in place: the order is given
-    control(7) = 1;  // perm_in
-    control(8) = 0;  // scaled already
-    control(10) = 0; // no refinement
-    control(12) = 1; // the order is that of the graph as it is
-    control(13) = 1; // the root front sequentially too: its pivots' signs are counted
-    control(24) = 1; // null pivots are found
-    control(31) = keep_factor ? 0 : 1;
-    mumps_.cntl[2] = null_pivot;
-    try {
-      factorise(system.announce);
-    } catch (...) {
-      call(job_end);
-      throw;
-    }
-    entries_.rows = entries_.columns = {};
-    entries_.values = {};
+  IndefiniteSolver(const SystemMatrix& system, bool keep_factor)
+      : IndefiniteSolver(system, make_border(system), keep_factor) {}
+  IndefiniteSolver(const SystemMatrix& system, const Border& border, bool keep_factor)
+      : size_(system.stiffness->size() + border.constraints), hidden_negative_(border.negative),
+        factor_(make_entries(system, border), MumpsFactor::Kind::Symmetric, words, size_) {
+    factor_.control(12) = 1; // the order is that of the graph as it is
+    factor_.control(13) = 1; // the root front sequentially too: its pivots' signs are counted
+    factor_.control(24) = 1; // null pivots are found
+    factor_.control(31) = keep_factor ? 0 : 1;
+    factor_.real_control(3) = null_pivot;
+    factor_.factorise(system.announce);
   }
-  ~MumpsSolver() override { call(job_end); }
-  MumpsSolver(const MumpsSolver&) = delete;
-  MumpsSolver& operator=(const MumpsSolver&) = delete;
 
   using LinearSolver::solve;
   void solve(const double* b, double* x, int columns) const override {
-    follow_run_threads();
-    Eigen::MatrixXd y = Eigen::MatrixXd::Zero(all(), columns);
-    y.topRows(size()) =
-        entries_.scale.head(size()).asDiagonal() * Eigen::Map<const Eigen::MatrixXd>(b, size(), columns);
-    mumps_.rhs = y.data();
-    mumps_.nrhs = columns;
-    mumps_.lrhs = static_cast<MUMPS_INT>(all());
-    call(job_solve);
-    if (mumps_.infog[0] < 0) fail();
-    Eigen::Map<Eigen::MatrixXd>(x, size(), columns) = entries_.scale.head(size()).asDiagonal() * y.topRows(size());
+    const auto scale = factor_.scale().head(size()).asDiagonal(); // rows of low rank stand behind these
+    Eigen::MatrixXd y = Eigen::MatrixXd::Zero(factor_.size(), columns);
+    y.topRows(size()) = scale * Eigen::Map<const Eigen::MatrixXd>(b, size(), columns);
+    factor_.solve(y.data(), columns);
+    Eigen::Map<Eigen::MatrixXd>(x, size(), columns) = scale * y.topRows(size());
   }
   std::int64_t size() const override { return size_; }
-  FactorCost cost() const override { return cost_; }
+  FactorCost cost() const override { return factor_.cost(); }
   Inertia counts() const {
     Inertia counts;
-    counts.negative = mumps_.infog[11] - hidden_negative_;
-    counts.zero = mumps_.infog[27];
+    counts.negative = factor_.info(12) - hidden_negative_;
+    counts.zero = factor_.info(28);
     counts.positive = size() - counts.negative - counts.zero;
     return counts;
   }
 
  private:
-  std::int64_t all() const { return entries_.scale.size(); } // with the rows of low rank behind those of size()
-  MUMPS_INT& control(int number) { return mumps_.icntl[number - 1]; }
-  void call(int job) const {
-    mumps_.job = job;
-    dmumps_c(&mumps_);
-  }
+  static constexpr MumpsWords words{
+      "an indefinite system", "a system",
+      "; supports contradict each other, or functions on slivers are dependent to rounding"};
 
-  void factorise(const std::function<void(const FactorCost&)>& announce) {
-    call(job_analyse);
-    if (mumps_.infog[0] < 0) fail();
-    cost_.nonzeros = mumps_.infog[19] >= 0 ? mumps_.infog[19] : std::int64_t{-1000000} * mumps_.infog[19];
-    cost_.flops = mumps_.rinfog[0];
-    // Pivots that are delayed need more than the analysis foresaw.
-    for (const MUMPS_INT percent : {20, 60, 200, 800}) {
-      control(14) = percent;
-      cost_.bytes = 1e6 * static_cast<double>(mumps_.infog[16]) * (1 + 0.01 * (percent - 20));
-      require_memory(cost_, size(), free_memory());
-      if (announce) announce(cost_);
-      call(job_factorise);
-      const MUMPS_INT status = mumps_.infog[0];
-      if (status >= 0) return;
-      if (status != -8 && status != -9 && status != -14 && status != -15) fail();
-    }
-    fail();
-  }
-
-  [[noreturn]] void fail() const {
-    const MUMPS_INT status = mumps_.infog[0];
-    if (status == -13 || status == -7 || status == -19)
-      throw InputError(fmt::format("not enough memory to factorise a system of {} unknowns (about {:.2f} GiB); use "
-                                   "larger spans or a lower degree",
-                                   size(), cost_.bytes / (1024.0 * 1024 * 1024)));
-    throw NumericalError(
-        fmt::format("the factorisation of an indefinite system of {} unknowns failed (MUMPS {}, {}); "
-                    "supports contradict each other, or functions on slivers are dependent to rounding",
-                    size(), status, mumps_.infog[1]));
-  }
-
-  Entries entries_;
   std::int64_t size_ = 0, hidden_negative_ = 0;
-  mutable DMUMPS_STRUC_C mumps_{};
-  FactorCost cost_;
+  MumpsFactor factor_;
 };
 
 } // namespace
 
 std::unique_ptr<LinearSolver> factorise_indefinite(const SystemMatrix& system) {
-  return std::make_unique<MumpsSolver>(system, true);
+  return std::make_unique<IndefiniteSolver>(system, true);
 }
 
 Inertia inertia(const SystemMatrix& system) {
-  return MumpsSolver(system, false).counts();
+  return IndefiniteSolver(system, false).counts();
 }
 
 } // namespace iga::solve
