@@ -187,32 +187,17 @@ CLI::App* add_buckling(CLI::App& app, Raw& raw, AnalysisCommand& c) {
   return sub;
 }
 
-CLI::App* add_explicit(CLI::App& app, Raw& raw, ExplicitCommand& c) {
-  CLI::App* sub = app.add_subcommand("explicit", "Impact, crush, waves: explicit dynamics with contact");
+CLI::App* add_stepped(CLI::App& app, const char* name, const char* about, const char* output, Raw& raw,
+                      SteppedCommand& c) {
+  CLI::App* sub = app.add_subcommand(name, about);
   sub->add_option("run", raw.file, "Run file (.toml)")->type_name("FILE")->required();
-  sub->add_option("-o,--output", c.output, "Results file (.h5)")->type_name("FILE");
+  sub->add_option("-o,--output", c.output, output)->type_name("FILE");
   const std::string running = "Running";
   sub->add_flag("--restart", c.restart, "Go on with the restart file beside the results file")->group(running);
   sub->add_option("--threads", c.threads, "Number of threads [all]")->check(CLI::Range(1, 4096))->group(running);
   sub->add_flag("--force", c.force, "Replace existing results")->group(running);
   sub->add_flag("--quiet", raw.quiet, "Print errors only")->group(running);
   sub->add_flag("--json", raw.json, "Report as one JSON object on stdout")->group(running);
-  sub->footer(explicit_footer);
-  return sub;
-}
-
-CLI::App* add_nonlinear(CLI::App& app, Raw& raw, NonlinearCommand& c) {
-  CLI::App* sub = app.add_subcommand("nonlinear", "Statics at large displacement: rubber, metal that yields, foam");
-  sub->add_option("run", raw.file, "Run file (.toml)")->type_name("FILE")->required();
-  sub->add_option("-o,--output", c.output, "Results file (.h5); without it only the report is printed")
-      ->type_name("FILE");
-  const std::string running = "Running";
-  sub->add_flag("--restart", c.restart, "Go on with the restart file beside the results file")->group(running);
-  sub->add_option("--threads", c.threads, "Number of threads [all]")->check(CLI::Range(1, 4096))->group(running);
-  sub->add_flag("--force", c.force, "Replace existing results")->group(running);
-  sub->add_flag("--quiet", raw.quiet, "Print errors only")->group(running);
-  sub->add_flag("--json", raw.json, "Report as one JSON object on stdout")->group(running);
-  sub->footer(nonlinear_footer);
   return sub;
 }
 
@@ -314,9 +299,14 @@ std::optional<Command> parse_command_line(int argc, const char* const* argv) {
   ExportCommand tables;
   CLI::App* export_app = add_export(app, raw, tables);
   ExplicitCommand dynamics;
-  CLI::App* explicit_app = add_explicit(app, raw, dynamics);
+  CLI::App* explicit_app = add_stepped(app, "explicit", "Impact, crush, waves: explicit dynamics with contact",
+                                       "Results file (.h5)", raw, dynamics);
+  explicit_app->footer(explicit_footer);
   NonlinearCommand nonlinear;
-  CLI::App* nonlinear_app = add_nonlinear(app, raw, nonlinear);
+  CLI::App* nonlinear_app =
+      add_stepped(app, "nonlinear", "Statics at large displacement: rubber, metal that yields, foam",
+                  "Results file (.h5); without it only the report is printed", raw, nonlinear);
+  nonlinear_app->footer(nonlinear_footer);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& answered) {
@@ -335,18 +325,14 @@ std::optional<Command> parse_command_line(int argc, const char* const* argv) {
     tables.file = raw.file;
     return tables;
   }
-  if (*explicit_app) {
-    dynamics.style = style;
-    dynamics.run_file = raw.file;
-    dynamics.text = io::command_text("igasolve", argc, argv);
-    return dynamics;
-  }
-  if (*nonlinear_app) {
-    nonlinear.style = style;
-    nonlinear.run_file = raw.file;
-    nonlinear.text = io::command_text("igasolve", argc, argv);
-    return nonlinear;
-  }
+  const auto settled = [&](auto command) {
+    command.style = style;
+    command.run_file = raw.file;
+    command.text = io::command_text("igasolve", argc, argv);
+    return command;
+  };
+  if (*explicit_app) return settled(dynamics);
+  if (*nonlinear_app) return settled(nonlinear);
   analysis.style = style;
   analysis.analysis = *eigen      ? Analysis::Eigen
                       : *timestep ? Analysis::Timestep
