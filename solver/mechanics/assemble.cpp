@@ -283,28 +283,31 @@ Eigen::VectorXd body_force(const SolutionSpace& space, const Point3& b) {
   return f;
 }
 
-Eigen::VectorXd distributed_load(const SolutionSpace& space, const std::function<Point3(const Point3&)>& b) {
-  const SplineGrid& grid = space.model().grid;
+Eigen::VectorXd sum_over_cells(const SolutionSpace& space, const std::function<Eigen::MatrixXd(std::int64_t)>& nodal) {
   Eigen::VectorXd f = Eigen::VectorXd::Zero(space.num_unknowns());
   in_order(
-      static_cast<std::size_t>(space.num_cells()),
-      [&](std::size_t a) {
-        thread_local WorkSpace work;
-        const auto [parameters, weights] = span_points(space, static_cast<std::int64_t>(a), work.points);
-        evaluate(space, static_cast<std::int64_t>(a), parameters, Shapes::Values, work.shapes);
-        Eigen::Matrix3Xd forces(3, static_cast<Eigen::Index>(weights.size()));
-        for (std::size_t q = 0; q < weights.size(); ++q) {
-          const Point3 x = grid.to_position({parameters[3 * q], parameters[3 * q + 1], parameters[3 * q + 2]});
-          forces.col(static_cast<Eigen::Index>(q)) = weights[q] * as_vector(b(x));
-        }
-        return Eigen::MatrixXd(forces * work.shapes.values);
-      },
-      [&](std::size_t a, const Eigen::MatrixXd& nodal) {
+      static_cast<std::size_t>(space.num_cells()), [&](std::size_t a) { return nodal(static_cast<std::int64_t>(a)); },
+      [&](std::size_t a, const Eigen::MatrixXd& of_cell) {
         const auto nodes = space.nodes(static_cast<std::int64_t>(a));
         for (std::size_t r = 0; r < nodes.size(); ++r)
-          f.segment<3>(3 * nodes[r]) += nodal.col(static_cast<Eigen::Index>(r));
+          f.segment<3>(3 * nodes[r]) += of_cell.col(static_cast<Eigen::Index>(r));
       });
   return f;
+}
+
+Eigen::VectorXd distributed_load(const SolutionSpace& space, const std::function<Point3(const Point3&)>& b) {
+  const SplineGrid& grid = space.model().grid;
+  return sum_over_cells(space, [&](std::int64_t a) {
+    thread_local WorkSpace work;
+    const auto [parameters, weights] = span_points(space, a, work.points);
+    evaluate(space, a, parameters, Shapes::Values, work.shapes);
+    Eigen::Matrix3Xd forces(3, static_cast<Eigen::Index>(weights.size()));
+    for (std::size_t q = 0; q < weights.size(); ++q) {
+      const Point3 x = grid.to_position({parameters[3 * q], parameters[3 * q + 1], parameters[3 * q + 2]});
+      forces.col(static_cast<Eigen::Index>(q)) = weights[q] * as_vector(b(x));
+    }
+    return Eigen::MatrixXd(forces * work.shapes.values);
+  });
 }
 
 } // namespace iga::solve

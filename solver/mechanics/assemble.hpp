@@ -30,6 +30,10 @@ Eigen::VectorXd lumped_mass(const SolutionSpace& space, double density);
 void span_stiffness(const SolutionSpace& space, std::int64_t a, const ElasticMaterial& material, SpanShapes& shapes,
                     Eigen::MatrixXd& block, InteriorPoints interior = InteriorPoints::Gauss);
 
+/// Sum over the cells, in their order, of what each brings to its nodes; parallel, the same bits for any thread count.
+/// (num_unknowns) @param nodal  of a cell: (3 × nodes(a).size()); called from several threads
+Eigen::VectorXd sum_over_cells(const SolutionSpace& space, const std::function<Eigen::MatrixXd(std::int64_t)>& nodal);
+
 /// f_i = ∫ N_i b dV for a body force b (force/length³). (num_unknowns)
 Eigen::VectorXd body_force(const SolutionSpace& space, const Point3& b);
 

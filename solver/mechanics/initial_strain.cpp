@@ -1,6 +1,6 @@
 #include "solver/mechanics/initial_strain.hpp"
 
-#include "solver/base/in_order.hpp"
+#include "solver/mechanics/assemble.hpp"
 
 #include <algorithm>
 
@@ -58,35 +58,24 @@ std::shared_ptr<const StrainField> sum_of(std::vector<StrainShare> shares) {
 }
 
 Eigen::VectorXd initial_strain_load(const SolutionSpace& space, const ElasticMaterial& material) {
-  Eigen::VectorXd f = Eigen::VectorXd::Zero(space.num_unknowns());
-  if (!material.initial_strain) return f;
-  in_order(
-      static_cast<std::size_t>(space.num_cells()),
-      [&](std::size_t a) {
-        thread_local SpanShapes shapes;
-        thread_local SpanPointStorage storage;
-        const auto cell = static_cast<std::int64_t>(a);
-        const auto [parameters, weights] = span_points(space, cell, storage);
-        evaluate(space, cell, parameters, Shapes::Gradients, shapes);
-        const Strains stress = material.initial_strain->at(cell, parameters) * material.C;
-        const Eigen::Index n = shapes.gradients.cols() / 3;
-        Eigen::Matrix3Xd nodal = Eigen::Matrix3Xd::Zero(3, n);
-        for (Eigen::Index q = 0; q < stress.rows(); ++q) {
-          const Eigen::Matrix<double, 1, 6> s = weights[static_cast<std::size_t>(q)] * stress.row(q);
-          Eigen::Matrix3d tensor;
-          for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) tensor(i, j) = s[voigt_place[i][j]];
-          for (Eigen::Index i = 0; i < n; ++i)
-            nodal.col(i) += tensor * shapes.gradients.block<1, 3>(q, 3 * i).transpose();
-        }
-        return Eigen::MatrixXd(nodal);
-      },
-      [&](std::size_t a, const Eigen::MatrixXd& nodal) {
-        const auto nodes = space.nodes(static_cast<std::int64_t>(a));
-        for (std::size_t r = 0; r < nodes.size(); ++r)
-          f.segment<3>(3 * nodes[r]) += nodal.col(static_cast<Eigen::Index>(r));
-      });
-  return f;
+  if (!material.initial_strain) return Eigen::VectorXd::Zero(space.num_unknowns());
+  return sum_over_cells(space, [&](std::int64_t cell) {
+    thread_local SpanShapes shapes;
+    thread_local SpanPointStorage storage;
+    const auto [parameters, weights] = span_points(space, cell, storage);
+    evaluate(space, cell, parameters, Shapes::Gradients, shapes);
+    const Strains stress = material.initial_strain->at(cell, parameters) * material.C;
+    const Eigen::Index n = shapes.gradients.cols() / 3;
+    Eigen::Matrix3Xd nodal = Eigen::Matrix3Xd::Zero(3, n);
+    for (Eigen::Index q = 0; q < stress.rows(); ++q) {
+      const Eigen::Matrix<double, 1, 6> s = weights[static_cast<std::size_t>(q)] * stress.row(q);
+      Eigen::Matrix3d tensor;
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) tensor(i, j) = s[voigt_place[i][j]];
+      for (Eigen::Index i = 0; i < n; ++i) nodal.col(i) += tensor * shapes.gradients.block<1, 3>(q, 3 * i).transpose();
+    }
+    return Eigen::MatrixXd(nodal);
+  });
 }
 
 } // namespace iga::solve
