@@ -12,7 +12,8 @@ if(TARGET igaprep-cad)
 endif()
 
 # Scripts. A link stands for iga, so that Python finds the package beside the script that the link leads to.
-install(PROGRAMS scripts/iga scripts/plot.py scripts/render.py DESTINATION ${iga_data}/scripts COMPONENT programs)
+install(PROGRAMS scripts/iga scripts/export_lsdyna.py scripts/plot.py scripts/render.py
+        DESTINATION ${iga_data}/scripts COMPONENT programs)
 install(DIRECTORY scripts/igatools DESTINATION ${iga_data}/scripts COMPONENT programs PATTERN __pycache__ EXCLUDE)
 install(DIRECTORY schema DESTINATION ${iga_data} COMPONENT programs)
 file(RELATIVE_PATH launcher /${CMAKE_INSTALL_BINDIR} /${iga_data}/scripts/iga)
