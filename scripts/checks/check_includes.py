@@ -23,6 +23,8 @@ ORDER = {
                "explicit/laws", "explicit/kernel", "explicit/motion", "explicit/contact", "explicit/loads",
                "explicit/run", "nonlinear", "program"],
 }
+# Projects of their own, which use nothing of the rest: they include what lies beside them.
+OWN_PROJECTS = ("samples/dealii",)
 OURS = ("format/", "preprocessor/", "solver/", "samples/", "tests/")
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 
@@ -44,6 +46,7 @@ def wrong_order(name, target):
 def problems_of(path, text):
     """Sentences about one source file; `path` is relative to the repository."""
     name = path.as_posix()
+    alone = path.parent.as_posix() in OWN_PROJECTS
     folder = next(layer for layer in LAYERS if name.startswith(layer + "/"))
     for number, line in enumerate(text.splitlines(), 1):
         match = INCLUDE.match(line)
@@ -51,6 +54,10 @@ def problems_of(path, text):
             continue
         bracket, target = match.groups()
         where = f"{name}:{number}"
+        if alone:
+            if bracket == '"' and not (ROOT / path.parent / target).is_file():
+                yield f'{where}: "{target}" does not lie beside it; the sample uses nothing of the rest'
+            continue
         if bracket == '"':
             if not target.startswith(OURS):
                 yield f'{where}: "{target}" does not start at the repository\'s root'
