@@ -5,7 +5,8 @@
   scripts/run_samples.py 03_sphere 04_torus   these ones
   scripts/run_samples.py --bin DIR --parts DIR --work DIR …
 
-A sample with a run.toml is run through igasolve static too. Besides the figures of expected.toml, every model of an STL is held
+A sample with run files is run through igasolve too: heat.toml by `igasolve heat`, run.toml by `igasolve static`, random.toml, buckling.toml
+and nonlinear.toml by the analyses of their names, in this order. Besides the figures of expected.toml, every model of an STL is held
 against it: volume, centroid and area of the surface are computed here from the file's triangles, without any of the project's C++
 code.
 """
@@ -24,6 +25,7 @@ from igatools.stl import read_stl, surface_figures
 SURFACE_TOLERANCE = 1e-11   # same triangles, summed in another order
 POINTS_TOLERANCE = 1e-9     # the program's own bound on the volume of all points
 RESIDUAL_TOLERANCE = 1e-10  # the default bound on every span's moments
+RUN_FILES = (("heat", "heat"), ("static", "run"), ("random", "random"), ("buckling", "buckling"), ("nonlinear", "nonlinear"))
 
 
 def run(command, work):
@@ -73,9 +75,11 @@ def run_sample(folder, arguments):
     report = json.loads(run([arguments.bin / "igaprep", folder / "prep.toml", "--input", part, "-o", model, "--force",
                              "--json"], arguments.work))
     run([arguments.bin / "igasolve", "check", model], arguments.work)
-    if (folder / "run.toml").exists():
-        report["run"] = json.loads(run([arguments.bin / "igasolve", "static", folder / "run.toml", "--model", model, "-o",
-                                        arguments.work / (folder.name + ".h5"), "--force", "--json"], arguments.work))
+    for analysis, name in RUN_FILES:
+        if (folder / f"{name}.toml").exists():
+            run_file = arguments.work / f"{folder.name}_{name}.toml"  # files beside it, in place of those in the build folder
+            run_file.write_text((folder / f"{name}.toml").read_text().replace("../../build/release/samples/", ""))
+            report[name] = json.loads(run([arguments.bin / "igasolve", analysis, run_file, "--force", "--json"], arguments.work))
 
     figures.append({"key": "max_residual", "range": [0.0, RESIDUAL_TOLERANCE]})
     volume = report["mesh_volume"]
