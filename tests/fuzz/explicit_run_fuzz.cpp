@@ -1,5 +1,6 @@
-// Run files of `igasolve explicit`. The files that the seeds name exist beside them; the models are not opened yet.
+// Run files of `igasolve explicit` and `nonlinear`. The files that the seeds name exist beside them; the models are not opened yet.
 #include "solver/explicit/run/run_file.hpp"
+#include "solver/nonlinear/nonlinear_run.hpp"
 #include "tests/fuzz/fuzz_input.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -11,5 +12,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }();
   const auto file = folder.write("run.toml", fuzz::bytes_of(data, size));
   fuzz::read_or_refuse([&] { solve::read_explicit_run(file); });
+  fuzz::read_or_refuse([&] { solve::read_nonlinear_run(file); });
   return 0;
 }

@@ -1,4 +1,4 @@
-// Run files of `igasolve eigen`, `timestep` and `static`.
+// Run files of all analyses of `igasolve` but explicit and nonlinear ones.
 #include "solver/analysis/run_settings.hpp"
 #include "tests/fuzz/fuzz_input.hpp"
 
@@ -8,7 +8,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto file = folder.write("run.toml", fuzz::bytes_of(data, size));
   fuzz::read_or_refuse([&] {
     const solve::TypedRun typed = solve::read_run_file(file);
-    for (const auto analysis : {solve::Analysis::Eigen, solve::Analysis::Timestep, solve::Analysis::Static})
+    using enum solve::Analysis;
+    for (const auto analysis : {Eigen, Timestep, Static, Heat, Buckling, Harmonic, Random, Transient})
       fuzz::read_or_refuse([&] { solve::validate_run(typed, analysis); });
   });
   return 0;
