@@ -11,7 +11,8 @@ Of a part (igaprep part.stl -o part.h5):
 Of results (igasolve eigen part.h5 … -o modes.h5, igasolve static …):
   <modes>_modes.png     the first six elastic (or buckling) modes on one sheet
   <modes>_mode_<n>.png  one mode each, for --mode n (numbers of the results file, the first is 1)
-  <static>_static.png   the deformed part, or several bodies
+  <static>_static.png   the deformed part, or several bodies; <static>_safety_factor.png and <static>_von_mises_error.png with
+                        --colour of that name (load cases: <static>_case_<n>…)
   <explicit>_frames.png six times of an explicit run, cut in half, in their true places (--whole: not cut)
 
 Of a run file (scripts/render.py --choices run.toml; igasolve static and eigen):
@@ -42,9 +43,10 @@ def parse_arguments():
     model.add_argument("--axis", choices="uvw", help="grid axis across the layer of points (default: the part's thinnest)")
     model.add_argument("--at", type=float, default=0.5, help="place of the layer along that axis of the part, 0 … 1")
     results = parser.add_argument_group("results")
-    results.add_argument("--colour", choices=("displacement", "von_mises", "plastic_strain"),
-                         help="colour by |u|, von Mises stress or (explicit runs) equivalent plastic strain (default: |u| for "
-                              "modes, von Mises stress otherwise)")
+    results.add_argument("--colour", choices=("displacement", "von_mises", "plastic_strain", "safety_factor", "von_mises_error"),
+                         help="colour by |u|, von Mises stress, (explicit runs) equivalent plastic strain or (statics of one body) "
+                              "safety factor against yield or estimated error of the von Mises stress (default: |u| for modes, von "
+                              "Mises stress otherwise)")
     results.add_argument("--whole", action="store_true", help="explicit runs: do not cut the bodies in half")
     results.add_argument("--scale", type=float, help="factor on displacements (default: chosen for each picture)")
     results.add_argument("--mode", type=int, nargs="+", default=[], metavar="N", help="draw these modes, one picture each")

@@ -140,6 +140,11 @@ constexpr DatasetText surface_temperature{"/surface/temperature", "temperature",
 constexpr DatasetText surface_heat_flux{"/surface/heat_flux", "power/length^2", "(step; vertex; x y z)",
                                         "heat flux -k grad T"};
 
+constexpr DatasetText surface_von_mises_error{"/surface/von_mises_error", "force/length^2", "(step; vertex)",
+                                              "estimated error of the von Mises stress, where stress is recovered"};
+constexpr DatasetText surface_safety_factor{"/surface/safety_factor", "1", "(step; vertex)",
+                                            "yield strength over von Mises stress, at most 1000"};
+
 constexpr DatasetText time{"/time_series/time", "time", "ascending", "times of the series"};
 
 /// Groups of named things: <path>/<name>, and the list of the names in their order. The series in them are listed in

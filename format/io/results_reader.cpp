@@ -390,6 +390,11 @@ SurfaceResult read_surface(const H5Reader& file) {
   s.fields = read_fields(file, result::surface_fields, num_vertices, s.num_steps());
   s.fields.temperature = read_field(file, result::surface_temperature, num_vertices, 1, s.num_steps()); // since 1.5
   s.fields.heat_flux = read_field(file, result::surface_heat_flux, num_vertices, 3, s.num_steps());
+  for (const auto& [text, values] : {std::pair{&result::surface_von_mises_error, &s.fields.von_mises_error},
+                                     std::pair{&result::surface_safety_factor, &s.fields.safety_factor}}) {
+    *values = read_field(file, *text, num_vertices, 1, s.num_steps()); // since 1.5
+    expect_none_negative(file, *text, *values);
+  }
   return s;
 }
 

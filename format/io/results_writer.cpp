@@ -272,6 +272,8 @@ void write_surface(H5Writer& file, const SurfaceResult& s) {
   write_fields(file, result::surface_fields, s.fields, num_vertices, s.num_steps());
   write_field(file, result::surface_temperature, s.fields.temperature, num_vertices, 1, s.num_steps());
   write_field(file, result::surface_heat_flux, s.fields.heat_flux, num_vertices, 3, s.num_steps());
+  write_field(file, result::surface_von_mises_error, s.fields.von_mises_error, num_vertices, 1, s.num_steps());
+  write_field(file, result::surface_safety_factor, s.fields.safety_factor, num_vertices, 1, s.num_steps());
 }
 
 } // namespace

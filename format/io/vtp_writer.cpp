@@ -138,7 +138,7 @@ void write_step(const std::filesystem::path& path, const SurfaceResult& s, std::
                 std::span<const VtpNumber> numbers, double scale) {
   std::vector<VtpArray> arrays;
   std::vector<std::vector<double>> scaled;
-  scaled.reserve(6);
+  scaled.reserve(8);
   const auto add = [&](const char* name, const std::vector<double>& field, int components) {
     if (field.empty()) return;
     const auto values = values_of(field, s, static_cast<std::size_t>(components), step);
@@ -152,6 +152,8 @@ void write_step(const std::filesystem::path& path, const SurfaceResult& s, std::
   add("strain", s.fields.strain, 6);
   add("temperature", s.fields.temperature, 1);
   add("heat_flux", s.fields.heat_flux, 3);
+  add("von_mises_error", s.fields.von_mises_error, 1);
+  add("safety_factor", s.fields.safety_factor, 1);
   write_vtp(path, s.output.mesh, arrays, numbers);
 }
 

@@ -27,15 +27,20 @@ struct ResultsHeader {
   Provenance provenance; ///< inputs: the model, then the run file; findings of the model, warnings of model and run
 };
 
+/// Where a part has next to no stress it could be multiplied for ever.
+constexpr double largest_safety_factor = 1000;
+
 /// What fields are at given points, for one or more steps (modes, load cases, times). Each array is
 /// (num_steps × num_points × components), row-major; an array that was not asked for is empty.
 struct FieldSamples {
-  std::vector<double> displacement;     ///< 3: x y z; length
-  std::vector<double> strain;           ///< 6: xx yy zz xy yz zx, shear strains are engineering strains
-  std::vector<double> stress;           ///< 6: xx yy zz xy yz zx; force/length²
-  std::vector<double> von_mises;        ///< 1; force/length²
-  std::vector<double> temperature = {}; ///< 1
-  std::vector<double> heat_flux = {};   ///< 3: x y z; power/length²
+  std::vector<double> displacement;         ///< 3: x y z; length
+  std::vector<double> strain;               ///< 6: xx yy zz xy yz zx, shear strains are engineering strains
+  std::vector<double> stress;               ///< 6: xx yy zz xy yz zx; force/length²
+  std::vector<double> von_mises;            ///< 1; force/length²
+  std::vector<double> temperature = {};     ///< 1
+  std::vector<double> heat_flux = {};       ///< 3: x y z; power/length²
+  std::vector<double> von_mises_error = {}; ///< 1; estimated, of stress that was recovered; force/length²
+  std::vector<double> safety_factor = {};   ///< 1; yield strength / von_mises, at most largest_safety_factor
 };
 
 /// The embedded surface, made fine enough to show the fields.

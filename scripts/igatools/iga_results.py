@@ -122,9 +122,9 @@ class Results:
 
     def joined_surface(self):
         """Fields on the surface as one mesh, whether the file has one body or several: vertices (n, 3), triangles (m, 3), steps,
-        displacement (steps, n, 3) and von_mises (steps, n), each where it was asked for. None where there are no fields."""
+        displacement (steps, n, 3) and von_mises (steps, n), of one body von_mises_error and safety_factor too, each where it was asked for. None where there are no fields."""
         if "/surface" in self:
-            names = ("vertices", "triangles", "steps", "displacement", "von_mises", "temperature")
+            names = ("vertices", "triangles", "steps", "displacement", "von_mises", "temperature", "von_mises_error", "safety_factor")
             return {name: self[f"/surface/{name}"] for name in names if f"/surface/{name}" in self}
         if not self.num_fields():
             return None

@@ -102,6 +102,8 @@ def coloured(poly, values, norm):
 
 def draw(arguments, folder):
     file, colour = arguments.file, arguments.colour or "von_mises"
+    if colour not in QUANTITIES:
+        sys.exit(f"render.py: {file}: safety factors and errors of stress are drawn of statics only; use --colour {', '.join(QUANTITIES)}")
     times = read_times(file)
     chosen = [times[i] for i in np.unique(np.linspace(0, len(times) - 1, FRAMES).round().astype(int))]
     frames = [(time, [read_part(path) for path in paths]) for time, paths in chosen]

@@ -4,7 +4,7 @@ import sys
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.colors import Normalize
+from matplotlib.colors import LogNorm, Normalize
 from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkFiltersHybrid import vtkPolyDataSilhouette
 
@@ -12,7 +12,7 @@ from igatools import iga_results
 from igatools.drawing import PIXELS, actor_of, page, picture, save, triangle_mesh, with_normals
 from igatools.report import tables, units
 
-COLOURS = plt.get_cmap("turbo")
+COLOURS, SAFETY = plt.get_cmap("turbo"), plt.get_cmap("turbo_r")
 SHEET = 6  # modes
 COLUMNS = 3
 TILE = (860, 640)
@@ -20,7 +20,8 @@ MODE_SHARE = 0.08  # largest displacement of a mode over the diagonal of the par
 STATIC_SHARE = 0.05
 SPIKES = 99.8  # percentile that ends the scale of stresses: a few points of a sharp corner would make all else dark blue
 REST_COLOUR = (0.55, 0.57, 0.60)
-LABELS = {"displacement": "|u|", "von_mises": "von Mises stress", "temperature": "temperature"}
+LABELS = {"displacement": "|u|", "von_mises": "von Mises stress", "temperature": "temperature",
+          "safety_factor": "safety factor: yield strength over von Mises stress", "von_mises_error": "estimated error of the von Mises stress"}
 
 
 class Shapes:
@@ -48,6 +49,11 @@ class Shapes:
         """What the colour shows at every vertex."""
         if colour not in LABELS:
             sys.exit("render.py: only explicit runs have a plastic strain; use --colour displacement or von_mises")
+        if colour == "safety_factor" and colour not in self.surface:
+            sys.exit("render.py: the file holds no safety factors; statics of one body have them where the material has a yield strength "
+                     "([material] yield = …)")
+        if colour == "von_mises_error" and colour not in self.surface:
+            sys.exit("render.py: the file holds no errors of the stress; statics of one body have them where stress is recovered")
         if colour == "displacement":
             return np.linalg.norm(self.displacement(step), axis=1)
         if colour not in self.surface:
@@ -87,10 +93,10 @@ def outline(shapes, sight):
     return actor_of(lines.GetOutput(), colour=REST_COLOUR, lines=1.2, flat=True)
 
 
-def deformed(shapes, step, factor, values, norm):
+def deformed(shapes, step, factor, values, norm, colours=COLOURS):
     poly = triangle_mesh(shapes.vertices + factor * shapes.displacement(step), shapes.triangles)
-    colours = (255 * COLOURS(norm(values))[:, :3]).astype(np.uint8)
-    poly.GetPointData().SetScalars(numpy_to_vtk(colours, deep=True))
+    shades = (255 * colours(norm(values))[:, :3]).astype(np.uint8)
+    poly.GetPointData().SetScalars(numpy_to_vtk(shades, deep=True))
     actor = actor_of(with_normals(poly))
     actor.GetMapper().SetScalarVisibility(True)
     return actor
@@ -102,9 +108,9 @@ def extent(shapes, steps, factors):
                                                for step, factor in zip(steps, factors)])
 
 
-def draw_shape(shapes, step, factor, values, norm, sight, fit, pixels=PIXELS):
+def draw_shape(shapes, step, factor, values, norm, sight, fit, pixels=PIXELS, colours=COLOURS):
     up = (0, 0, 1) if abs(sight[2]) < 0.99 * np.linalg.norm(sight) else (0, 1, 0)
-    return picture([deformed(shapes, step, factor, values, norm), outline(shapes, sight)], sight, up, fit, pixels)
+    return picture([deformed(shapes, step, factor, values, norm, colours), outline(shapes, sight)], sight, up, fit, pixels)
 
 
 def normalised(values, colour):
@@ -190,14 +196,20 @@ def draw_heat(shapes, sight, file):
 def draw_static(shapes, step, colour, scale, sight, file, case=""):
     factor = scale or shapes.factor(step, STATIC_SHARE)
     values = shapes.values(step, colour)
-    top = float(np.percentile(values, SPIKES) if colour == "von_mises" else values.max(initial=0))
-    norm = Normalize(0, top if top > 0 else 1)
-    pixels = draw_shape(shapes, step, factor, values, norm, sight, extent(shapes, [step], [factor]))
+    if colour == "safety_factor":  # what matters is where it is small: below 1 all is as bad, far above all as good
+        least = values.min(initial=np.inf)
+        norm, map_name, extend = LogNorm(min(1.0, least), max(10 * least, 10.0)), SAFETY, "max"
+    else:
+        top = float(np.percentile(values, SPIKES) if colour.startswith("von_mises") else values.max(initial=0))
+        norm, map_name = Normalize(0, top if top > 0 else 1), COLOURS
+        extend = "max" if values.max(initial=0) > top else "neither"
+    pixels = draw_shape(shapes, step, factor, values, norm, sight, extent(shapes, [step], [factor]), colours=map_name)
     largest = np.linalg.norm(shapes.displacement(step), axis=1).max(initial=0)
     label = f"|u|{' in' + shapes.unit if shapes.unit else ''}" if colour == "displacement" else LABELS[colour]
     page(pixels, f"{shapes.title}: {case}" if case else shapes.title, f"largest displacement {largest:.4g}{shapes.unit}, drawn {factor:.3g} times as large; "
-         f"largest von Mises stress {shapes.values(step, 'von_mises').max(initial=0):.4g}",
-         file, colour_bar=(plt.cm.ScalarMappable(norm, COLOURS), label), extend="max" if values.max(initial=0) > top else "neither")
+         f"largest von Mises stress {shapes.values(step, 'von_mises').max(initial=0):.4g}"
+         + (f", least safety factor {values.min(initial=np.inf):.4g}" if colour == "safety_factor" else ""),
+         file, colour_bar=(plt.cm.ScalarMappable(norm, map_name), label), extend=extend)
 
 
 def draw(arguments, folder):
@@ -215,7 +227,8 @@ def draw(arguments, folder):
         colour = arguments.colour or "von_mises"
         cases = shapes.results.texts("/static/cases/name") if "/static/cases/name" in shapes.results else [""]
         for step, case in enumerate(cases):
-            file = folder / (f"{shapes.stem}_case_{step + 1}.png" if case else f"{shapes.stem}_static.png")
+            of_case, what = (f"_case_{step + 1}" if case else ""), (f"_{colour}" if colour in ("safety_factor", "von_mises_error") else "")
+            file = folder / f"{shapes.stem}{of_case + what or '_static'}.png"
             draw_static(shapes, step, colour, arguments.scale, arguments.sight, file, f"case {case}" if case else "")
         return
     colour, count = arguments.colour or "displacement", len(shapes.surface["steps"])

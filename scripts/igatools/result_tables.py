@@ -19,6 +19,15 @@ def added(table, group, names):
     return table
 
 
+def with_principal(table, results, path):
+    """Principal stresses, the largest first."""
+    if path in results.data:
+        xx, yy, zz, xy, yz, zx = results[path].reshape(-1, 6).T
+        values = np.linalg.eigvalsh(np.array([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]]).transpose(2, 0, 1))[:, ::-1]
+        table.numbers("principal_stress", "force/length^2", values, "(point; 1 2 3)")
+    return table
+
+
 def result_tables(results):
     def of(name):
         return Table(name, results, SCHEMA)
@@ -38,19 +47,18 @@ def result_tables(results):
         yield added(of("loads"), "/static/loads", ("name", "kind", *FORCES))
         if "/static/cases/name" in results.data:
             yield added(of("cases"), "/static/cases", ("name", "strain_energy", "largest_displacement", "largest_von_mises"))
-        yield added(of("probes"), "/static/probes", ("name", "position", *FIELD_NAMES))
-        yield added(of("points"), "/static/points", ("position", *FIELD_NAMES))
+        yield with_principal(added(of("probes"), "/static/probes", ("name", "position", *FIELD_NAMES)), results, "/static/probes/stress")
+        yield with_principal(added(of("points"), "/static/points", ("position", *FIELD_NAMES)), results, "/static/points/stress")
     elif results.analysis == "heat":
         yield added(of("heat"), "/heat/boundaries", ("name", "kind", "area", "centroid", "temperature", "power"))
         yield added(of("probes"), "/heat/probes", ("name", "position", "temperature", "heat_flux"))
-    elif "/table_names" in results.data:
-        for name in results.texts("/table_names"):
-            table, units = of(name), results.texts(f"/tables/{name}/units")
-            for (heading, values), unit in zip(results.table(name).items(), units):
-                table.numbers(heading, unit, values)
-            yield table
-    else:
+    elif "/table_names" not in results.data:
         yield from series_tables(results, of)
+    for name in results.texts("/table_names") if "/table_names" in results.data else ():
+        table, units = of(name), results.texts(f"/tables/{name}/units")
+        for (heading, values), unit in zip(results.table(name).items(), units):
+            table.numbers(heading, unit, values)
+        yield table
     if "/surface" in results:
         yield surface_table(results, of("surface"))
 
@@ -86,4 +94,5 @@ def surface_table(results, table):
         table.numbers(axis, "length", np.tile(column, len(steps)))
     for name in FIELD_NAMES:
         table.add(f"/surface/{name}")
-    return table
+    with_principal(table, results, "/surface/stress")
+    return table.add("/surface/von_mises_error").add("/surface/safety_factor")

@@ -173,7 +173,7 @@ class Results(Labels, iga_results.Results):
 
     def surface(self, mode=None, step=None, body=None):
         """The surface of the results: vertices (n, 3), length, triangles (m, 3), and a dictionary of its fields: displacement
-        (n, 3), von_mises (n) and, where the file has them, strain (n, 6), stress (n, 6)."""
+        (n, 3), von_mises (n) and, where the file has them, strain (n, 6), stress (n, 6), von_mises_error and safety_factor (n)."""
         number, body = self._number(mode, step), self._body(body)
         if self.num_fields():
             fields = self.fields(number)
@@ -182,8 +182,8 @@ class Results(Labels, iga_results.Results):
             return fields.mesh[f"{body}/vertices"], fields.mesh[f"{body}/triangles"], found
         if "/surface" not in self:
             raise ValueError(f"{self.path}: the analysis wrote no surface")
-        found = {name: self[f"/surface/{name}"][number] for name in ("displacement", "von_mises", "strain", "stress", "temperature", "heat_flux")
-                 if f"/surface/{name}" in self.data}
+        found = {name: self[f"/surface/{name}"][number] for name in ("displacement", "von_mises", "strain", "stress", "temperature", "heat_flux",
+                                                                     "von_mises_error", "safety_factor") if f"/surface/{name}" in self.data}
         return self["/surface/vertices"], self["/surface/triangles"], found
 
     def to_csv(self, folder, table=None):

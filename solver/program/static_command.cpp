@@ -21,6 +21,8 @@ void append(SurfaceResult& all, const SurfaceResult& more) {
   append(all.fields.strain, more.fields.strain);
   append(all.fields.stress, more.fields.stress);
   append(all.fields.von_mises, more.fields.von_mises);
+  append(all.fields.von_mises_error, more.fields.von_mises_error);
+  append(all.fields.safety_factor, more.fields.safety_factor);
 }
 
 CaseResult case_result(const StaticSolution& solution) {
@@ -140,6 +142,10 @@ int static_command(AnalysisRun& run) {
                                                                     : text_report(run, system, solutions, stress);
   if (writes) {
     add_solutions(solutions, results);
+    for (std::size_t c = 0; c < solutions.size(); ++c) {
+      std::vector<ResultTable> tables = line_tables(stress[c], solutions[c].case_name);
+      std::move(tables.begin(), tables.end(), std::back_inserter(results.tables));
+    }
     write_outputs(run, results);
   }
   print_report(run, report);

@@ -3,6 +3,7 @@
 #include "format/io/field_files.hpp"
 #include "format/model/span_state.hpp"
 #include "format/model/time_series.hpp"
+#include "solver/stress/principal.hpp"
 
 #include <fmt/format.h>
 #include <map>
@@ -37,6 +38,12 @@ void add_fields(CsvTable& table, const Units& units, const FieldSamples& f) {
   table.numbers("strain", "1", f.strain, voigt);
   table.numbers("stress", units("force/length^2"), f.stress, voigt);
   table.numbers("von_mises", units("force/length^2"), f.von_mises);
+  for (Eigen::Index k = 0; k < 3 && !f.stress.empty(); ++k) // largest first
+    table.add(fmt::format("principal_stress_{} [{}]", k + 1, units("force/length^2")), [&f, k](std::size_t row) {
+      return fmt::format("{}", principal_stresses(Eigen::Map<const Voigt>(&f.stress[6 * row]))[k]);
+    });
+  table.numbers("von_mises_error", units("force/length^2"), f.von_mises_error);
+  table.numbers("safety_factor", "1", f.safety_factor);
   table.numbers("temperature", "temperature", f.temperature);
   table.numbers("heat_flux", units("power/length^2"), f.heat_flux, xyz);
 }

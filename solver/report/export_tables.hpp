@@ -10,7 +10,8 @@ namespace iga::solve {
 using TableVisitor = std::function<void(const CsvTable&)>;
 
 /// Tables of a results file, the main one first:
-/// eigen: frequencies, surface, triangles; static: reactions, loads, probes, points, surface, triangles;
+/// eigen: frequencies, surface, triangles; static: reactions, loads, probes, points, line_NAME and linearised_NAME for
+/// each line, surface, triangles (principal stresses, largest first, beside all stresses);
 /// explicit: energy, contact_NAME, body_NAME, rigid_NAME, support_NAME, then for each body and step of fields
 /// surface_NAME_0001 …, and triangles_NAME.
 /// Units stand in brackets behind the names, with the model's length unit where it has one.

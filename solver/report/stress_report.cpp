@@ -96,14 +96,14 @@ class BodyStress {
 
   const TrimmedModel& model() const { return model_; }
 
-  RecoveredStress at(const SamplePoints& points) const {
+  RecoveredStress at(const SamplePoints& points) {
     if (recovery_) return recovery_->at(points);
     FieldSamples raw = sample_fields(*body_.space, body_.material, points, unknowns_, Fields::All);
     return {std::move(raw.stress), std::move(raw.von_mises), {}};
   }
 
   /// The largest von Mises stresses: of all places, and of those where it has a limit.
-  std::pair<PeakStress, std::optional<PeakStress>> peaks() const {
+  std::pair<PeakStress, std::optional<PeakStress>> peaks() {
     std::vector<std::size_t> triangles;
     const SamplePoints points = surface_places(triangles);
     const RecoveredStress stress = at(points);
@@ -135,15 +135,17 @@ class BodyStress {
   }
 
   /// In place of what the surface has.
-  void replace(FieldSamples& fields, const OutputMesh& mesh) const {
+  void replace(FieldSamples& fields, const OutputMesh& mesh) {
     if (!recovery_) return;
     RecoveredStress stress = at({mesh.cell, mesh.parameters});
     if (!fields.stress.empty()) fields.stress = std::move(stress.stress);
-    if (!fields.von_mises.empty()) fields.von_mises = std::move(stress.von_mises);
+    if (fields.von_mises.empty()) return;
+    fields.von_mises = std::move(stress.von_mises);
+    fields.von_mises_error = std::move(stress.error);
   }
 
   /// In place of what the k-th probe has. @returns the estimated error, none where nothing is recovered
-  std::optional<double> replace_probe(ProbeResult& probes, std::size_t k) const {
+  std::optional<double> replace_probe(ProbeResult& probes, std::size_t k) {
     if (!recovery_) return std::nullopt;
     const LocatedPoint place =
         locate(model_, {probes.positions[3 * k], probes.positions[3 * k + 1], probes.positions[3 * k + 2]},
@@ -189,7 +191,15 @@ class BodyStress {
   std::unique_ptr<StressRecovery> recovery_;
 };
 
-LineStress along(const StressLine& line, const BodySystem& system, const std::vector<BodyStress>& bodies) {
+std::vector<double> safety_factors(const FieldSamples& fields, double yield) {
+  std::vector<double> factors;
+  factors.reserve(fields.von_mises.size());
+  for (const double stress : fields.von_mises)
+    factors.push_back(stress * largest_safety_factor > yield ? yield / stress : largest_safety_factor);
+  return factors;
+}
+
+LineStress along(const StressLine& line, const BodySystem& system, std::vector<BodyStress>& bodies) {
   LineStress found;
   found.line = line;
   found.body = chosen_body(system, line.body, fmt::format("{}: line '{}'", line.where, line.name),
@@ -229,6 +239,15 @@ JsonObject json_of(const PeakStress& peak, const BodySystem& system) {
   return object;
 }
 
+// Numbers of the points of a line from its start to its end.
+std::vector<std::size_t> in_order(const LinePoints& points) {
+  std::vector<std::size_t> order(points.distance.size());
+  for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return points.distance[a] < points.distance[b]; });
+  return order;
+}
+
 JsonObject json_of(const LineStress& line) {
   const LinearisedStress& l = line.linear;
   JsonObject object;
@@ -239,12 +258,8 @@ JsonObject json_of(const LineStress& line) {
   object.add("von_mises_membrane_bending", std::vector<double>(l.von_mises_linear.begin(), l.von_mises_linear.end()));
   object.add("von_mises_total", std::vector<double>(l.von_mises_total.begin(), l.von_mises_total.end()));
   object.add("error", l.error);
-  std::vector<std::size_t> order(line.points.distance.size());
-  for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
-  std::sort(order.begin(), order.end(),
-            [&](std::size_t a, std::size_t b) { return line.points.distance[a] < line.points.distance[b]; });
   std::vector<double> distance, stress;
-  for (const std::size_t k : order) {
+  for (const std::size_t k : in_order(line.points)) {
     distance.push_back(line.points.distance[k]);
     const auto s = entries(stress_of(line.stress.stress, k));
     stress.insert(stress.end(), s.begin(), s.end());
@@ -270,10 +285,14 @@ StressReport recover_stress(const AnalysisRun& run, StaticSolution& solution, Re
       const double factor = *yield / std::max(safe.von_mises, 1e-300);
       if (!report.safety || factor < report.safety->factor) report.safety = StressReport::Safety{factor, *yield, safe};
     }
-    if (results && system.size() == 1 && results->surface)
-      bodies[b].replace(results->surface->fields, results->surface->output);
-    if (results && system.size() > 1)
-      bodies[b].replace(results->parts[b].surface.fields, results->parts[b].surface.output);
+    SurfaceResult* const surface = !results            ? nullptr
+                                   : system.size() > 1 ? &results->parts[b].surface
+                                   : results->surface  ? &*results->surface
+                                                       : nullptr;
+    if (!surface) continue;
+    bodies[b].replace(surface->fields, surface->output);
+    if (const auto yield = run.bodies[b].words.yield)
+      surface->fields.safety_factor = safety_factors(surface->fields, *yield);
   }
   const PeakStress& most = *std::max_element(regular.begin(), regular.end(), [](const auto& a, const auto& b) {
     return (a.near ? -1 : a.von_mises) < (b.near ? -1 : b.von_mises);
@@ -287,6 +306,57 @@ StressReport recover_stress(const AnalysisRun& run, StaticSolution& solution, Re
           report.probe_errors.push_back(*error);
   for (const StressLine& line : run.settings.lines) report.lines.push_back(along(line, system, bodies));
   return report;
+}
+
+std::vector<ResultTable> line_tables(const StressReport& report, const std::string& case_name) {
+  const std::string before = case_name.empty() ? "" : case_name + "_";
+  std::vector<ResultTable> tables;
+  const auto add_columns = [](ResultTable& table, const std::string& name, std::initializer_list<const char*> suffixes,
+                              const char* unit) {
+    for (const char* suffix : suffixes) {
+      table.columns.push_back(name + suffix);
+      table.units.emplace_back(unit);
+    }
+  };
+  const char* const pressure = "force/length^2";
+  const std::initializer_list<const char*> voigt{"_xx", "_yy", "_zz", "_xy", "_yz", "_zx"};
+  const auto append = [](ResultTable& table, const auto& values) {
+    table.values.insert(table.values.end(), values.begin(), values.end());
+  };
+  for (const LineStress& l : report.lines) {
+    ResultTable& all = tables.emplace_back();
+    all.name = fmt::format("{}line_{}", before, l.line.name);
+    all.description = fmt::format("stress along line '{}'", l.line.name);
+    add_columns(all, "distance", {""}, "length");
+    add_columns(all, "position", {"_x", "_y", "_z"}, "length");
+    add_columns(all, "stress", voigt, pressure);
+    add_columns(all, "von_mises", {"", "_error"}, pressure);
+    add_columns(all, "principal_stress", {"_1", "_2", "_3"}, pressure);
+    for (const std::size_t k : in_order(l.points)) {
+      const Voigt stress = stress_of(l.stress.stress, k);
+      const double distance = l.points.distance[k];
+      all.values.push_back(distance);
+      append(all, plus(l.line.from, times(l.points.along, distance)));
+      append(all, entries(stress));
+      append(all, std::array{l.stress.von_mises[k], l.stress.error[k]});
+      append(all, principal_stresses(stress));
+    }
+    ResultTable& ends = tables.emplace_back();
+    ends.name = fmt::format("{}linearised_{}", before, l.line.name);
+    ends.description = fmt::format("membrane, bending and peak stress at the two ends of line '{}'", l.line.name);
+    add_columns(ends, "distance", {""}, "length");
+    for (const char* part : {"membrane", "bending", "peak"}) add_columns(ends, part, voigt, pressure);
+    add_columns(ends, "von_mises", {"_membrane", "_membrane_bending", "_total", "_error"}, pressure);
+    for (std::size_t end = 0; end < 2; ++end) {
+      ends.values.push_back(end == 0 ? 0 : l.points.length);
+      append(ends, entries(l.linear.membrane));
+      append(ends, entries(end == 0 ? l.linear.bending : -l.linear.bending));
+      append(ends, entries(l.linear.peak[end]));
+      append(ends, std::array{l.linear.von_mises_membrane, l.linear.von_mises_linear[end],
+                              l.linear.von_mises_total[end], l.linear.error});
+    }
+  }
+  return tables;
 }
 
 std::string stress_text(const StressReport& report, const StaticSolution& solution, const BodySystem& system) {

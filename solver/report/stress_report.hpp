@@ -44,6 +44,10 @@ struct StressReport {
 /// @throws InputError for lines that leave the part
 StressReport recover_stress(const AnalysisRun& run, StaticSolution& solution, Results* results);
 
+/// The report's lines as tables of the results file: `line_NAME`, stress along it, and `linearised_NAME`, membrane,
+/// bending and peak stress at its two ends; with `CASE_` in front where there are load cases.
+std::vector<ResultTable> line_tables(const StressReport& report, const std::string& case_name);
+
 std::string stress_text(const StressReport& report, const StaticSolution& solution, const BodySystem& system);
 io::JsonObject stress_json(const StressReport& report, const StaticSolution& solution, const BodySystem& system);
 

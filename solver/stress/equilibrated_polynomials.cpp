@@ -31,16 +31,8 @@ std::vector<EquilibratedPolynomials::Exponents> EquilibratedPolynomials::monomia
 }
 
 void EquilibratedPolynomials::add_part(int degree, const MatrixXd& fields) {
-  Part part;
-  part.monomials = monomials_of(degree);
-  const auto n = static_cast<Index>(part.monomials.size());
-  for (Index c = 0; c < 3; ++c) {
-    MatrixXd& of = part.fields[static_cast<std::size_t>(c)];
-    of.resize(n, fields.cols());
-    for (Index m = 0; m < n; ++m) of.row(m) = fields.row(3 * m + c);
-  }
   first_.push_back(first_.back() + fields.cols());
-  parts_.push_back(std::move(part));
+  strains_.push_back(strains_of(degree, fields));
 }
 
 MatrixXd EquilibratedPolynomials::divergence(int degree) const {
@@ -80,62 +72,75 @@ MatrixXd EquilibratedPolynomials::linear_strains() const {
   return B;
 }
 
-std::array<MatrixXd, 3> EquilibratedPolynomials::gradients(const Eigen::MatrixX3d& s,
-                                                           const std::vector<Exponents>& monomials) const {
-  const auto count = static_cast<Index>(monomials.size());
-  std::array<MatrixXd, 3> by;
-  for (MatrixXd& one : by) one.resize(s.rows(), count);
-  const int highest = degree() + 2; // the part of degree 2 of a force is asked for before there are others
-  MatrixXd powers[3];
-  for (Index d = 0; d < 3; ++d) {
-    powers[d].resize(s.rows(), highest + 1);
-    powers[d].col(0).setOnes();
-    for (Index k = 1; k <= highest; ++k) powers[d].col(k) = powers[d].col(k - 1).cwiseProduct(s.col(d));
-  }
-  for (Index m = 0; m < count; ++m) {
-    const Exponents& e = monomials[static_cast<std::size_t>(m)];
-    Eigen::MatrixX3d slope = Eigen::MatrixX3d::Zero(s.rows(), 3);
-    for (Index d = 0; d < 3; ++d) {
-      const auto along = static_cast<std::size_t>(d), next = (along + 1) % 3, last = (along + 2) % 3;
-      if (e[along] > 0)
-        slope.col(d) = e[along] * powers[along]
-                                      .col(e[along] - 1)
-                                      .cwiseProduct(powers[next].col(e[next]).cwiseProduct(powers[last].col(e[last])));
+FieldStrains EquilibratedPolynomials::strains_of(int degree, const MatrixXd& fields) const {
+  const std::vector<Exponents> from = monomials_of(degree), to = monomials_of(degree - 1);
+  FieldStrains all;
+  for (MatrixXd& one : all) one.setZero(static_cast<Index>(to.size()), fields.cols());
+  for (std::size_t m = 0; m < from.size(); ++m)
+    for (std::size_t d = 0; d < 3; ++d) {
+      Exponents slope = from[m];
+      const double factor = slope[d]--;
+      if (factor == 0) continue;
+      const Index row = std::find(to.begin(), to.end(), slope) - to.begin();
+      for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < 3; ++b)
+          all[static_cast<std::size_t>(voigt_place[a][b])].row(row) +=
+              factor * to_space_(b, static_cast<Index>(d)) * fields.row(3 * static_cast<Index>(m) + a);
     }
-    for (Index b = 0; b < 3; ++b) by[static_cast<std::size_t>(b)].col(m) = slope * to_space_.row(b).transpose();
-  }
-  return by;
+  return all;
 }
 
-FieldStrains EquilibratedPolynomials::strains(const Eigen::MatrixX3d& s, int k) const {
-  FieldStrains all;
-  for (MatrixXd& one : all) one.setZero(s.rows(), size(k));
-  for (std::size_t p = 0; p < static_cast<std::size_t>(k); ++p) {
-    const Part& part = parts_[p];
-    const auto by = gradients(s, part.monomials);
-    const Index first = first_[p], count = first_[p + 1] - first;
-    for (std::size_t a = 0; a < 3; ++a)
-      for (std::size_t b = 0; b < 3; ++b)
-        all[static_cast<std::size_t>(voigt_place[a][b])].middleCols(first, count).noalias() += by[b] * part.fields[a];
+MatrixXd EquilibratedPolynomials::monomials(const Eigen::MatrixX3d& s, int k) {
+  MatrixXd all(s.rows(), num_monomials(k));
+  all.col(0).setOnes();
+  // As monomials_of lists them: those of the degree before times s_1, then those without s_1 times s_2, then one of
+  // s_3.
+  for (int degree = 1; degree <= k; ++degree) {
+    const Index before = num_monomials(degree - 2), first = num_monomials(degree - 1), count = first - before;
+    for (Index m = 0; m < count; ++m) all.col(first + m) = all.col(before + m).cwiseProduct(s.col(0));
+    for (Index m = 0; m < degree; ++m) all.col(first + count + m) = all.col(first - degree + m).cwiseProduct(s.col(1));
+    all.col(first + count + degree) = all.col(first - 1).cwiseProduct(s.col(2));
   }
   return all;
 }
 
-Eigen::Matrix<double, Eigen::Dynamic, 6> EquilibratedPolynomials::strains_of_force(const Eigen::MatrixX3d& s,
-                                                                                   const LinearForce& b) const {
-  Eigen::Matrix<double, Eigen::Dynamic, 6> strain = Eigen::Matrix<double, Eigen::Dynamic, 6>::Zero(s.rows(), 6);
+VoigtPolynomial EquilibratedPolynomials::strain(const Eigen::VectorXd& factors) const {
+  int k = 0;
+  while (size(k) < factors.size()) ++k;
+  VoigtPolynomial all(num_monomials(k - 1), 6);
+  for (int part = 1; part <= k; ++part) {
+    const FieldStrains& of_fields = strains_of_degree(part);
+    const Index first = num_monomials(part - 2);
+    for (std::size_t c = 0; c < 6; ++c)
+      all.col(static_cast<Index>(c)).segment(first, of_fields[c].rows()) =
+          of_fields[c] * factors.segment(size(part - 1), of_fields[c].cols());
+  }
+  return all;
+}
+
+VoigtPolynomial EquilibratedPolynomials::strain_of_force(const LinearForce& b) const {
+  VoigtPolynomial all = VoigtPolynomial::Zero(num_monomials(2), 6);
   const auto add = [&](int degree, const Eigen::VectorXd& force) {
-    const MatrixXd coefficients = least_squares(divergence(degree), -force); // 3 m + a
-    const auto by = gradients(s, monomials_of(degree));
-    for (int a = 0; a < 3; ++a) {
-      Eigen::VectorXd component(coefficients.rows() / 3);
-      for (Index m = 0; m < component.size(); ++m) component[m] = coefficients(3 * m + a, 0);
-      for (int c = 0; c < 3; ++c) strain.col(voigt_place[a][c]) += by[static_cast<std::size_t>(c)] * component;
-    }
+    const FieldStrains strain = strains_of(degree, least_squares(divergence(degree), -force));
+    for (std::size_t c = 0; c < 6; ++c)
+      all.col(static_cast<Index>(c)).segment(num_monomials(degree - 2), strain[c].rows()) = strain[c];
   };
   add(2, b.constant);
   if (!b.slope.isZero()) add(3, b.slope.reshaped()); // the monomials of degree 1 are s_1, s_2, s_3
-  return strain;
+  return all;
+}
+
+FieldStrains EquilibratedPolynomials::strains(const Eigen::MatrixX3d& s, int k) const {
+  const MatrixXd at = monomials(s, k - 1);
+  FieldStrains all;
+  for (MatrixXd& one : all) one.resize(s.rows(), size(k));
+  for (int part = 1; part <= k; ++part)
+    for (std::size_t c = 0; c < 6; ++c) {
+      const MatrixXd& of_fields = strains_of_degree(part)[c];
+      all[c].middleCols(size(part - 1), of_fields.cols()).noalias() =
+          at.middleCols(num_monomials(part - 2), of_fields.rows()) * of_fields;
+    }
+  return all;
 }
 
 } // namespace iga::solve

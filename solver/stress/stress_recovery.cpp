@@ -7,8 +7,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numeric>
+#include <optional>
 #include <tbb/parallel_for.h>
 #include <unordered_set>
 
@@ -73,12 +73,65 @@ struct StressRecovery::Samples {
   std::vector<double> parameters, weights, strains;
 };
 
-struct StressRecovery::Fit {
-  Point3 centre{};
-  int degree = 0;
-  LinearForce force;
-  Eigen::VectorXd fields, lower; ///< coefficients; those of the fit of one degree less
-  double misfit = 0;             ///< share of what it leaves of strains and tractions in the error, force/length²
+/// Sum of w (ε - ε_h) : C (ε - ε_h) over points, and of |T ε - t|² over pieces of surface, of all fields. Normal
+/// equations of the points come from the moments of their weights: their number does not matter.
+struct StressRecovery::Equations {
+  const StressRecovery* of;
+  int degree;
+  MatrixXd at;            ///< (points × monomials of degree - 1)
+  Eigen::VectorXd weight; ///< (points)
+  VoigtPolynomial wanted; ///< (points × 6), strains
+  MatrixXd tractions;     ///< (3 pieces × fields), times the root of the piece's weight
+  Eigen::VectorXd wanted_tractions;
+  double traction_weight = 0; ///< sum over the pieces
+
+  /// Lower triangle (fields × fields).
+  MatrixXd normal_matrix() const {
+    const EquilibratedPolynomials& p = of->polynomials_;
+    MatrixXd N = MatrixXd::Zero(p.size(degree), p.size(degree));
+    if (tractions.rows() > 0) N.selfadjointView<Eigen::Lower>().rankUpdate(tractions.transpose());
+    const MatrixXd scaled = weight.cwiseSqrt().asDiagonal() * at;
+    MatrixXd moments = MatrixXd::Zero(at.cols(), at.cols());
+    moments.selfadjointView<Eigen::Lower>().rankUpdate(scaled.transpose());
+    moments.triangularView<Eigen::StrictlyUpper>() = moments.transpose();
+    MatrixXd times;
+    for (int k = 1; k <= degree; ++k) {
+      const FieldStrains& stress = of->stresses_[static_cast<std::size_t>(k - 1)];
+      const Index first = p.num_monomials(k - 2), count = stress[0].cols();
+      for (std::size_t c = 0; c < 6; ++c) {
+        times.noalias() = moments.bottomRows(at.cols() - first).middleCols(first, stress[c].rows()) * stress[c];
+        for (int j = k; j <= degree; ++j) {
+          const MatrixXd& strain = p.strains_of_degree(j)[c];
+          N.block(p.size(j - 1), p.size(k - 1), strain.cols(), count).noalias() +=
+              strain.transpose() * times.middleRows(p.num_monomials(j - 2) - first, strain.rows());
+        }
+      }
+    }
+    return N;
+  }
+
+  /// What a sum of the first fields leaves of the wanted strains and tractions.
+  std::pair<VoigtPolynomial, Eigen::VectorXd> rest(const Eigen::VectorXd& factors) const {
+    const VoigtPolynomial strain = of->polynomials_.strain(factors);
+    return {wanted - at.leftCols(strain.rows()) * strain,
+            wanted_tractions - tractions.leftCols(factors.size()) * factors};
+  }
+
+  /// Right-hand side of the first `count` fields for what is left.
+  Eigen::VectorXd right_side(const std::pair<VoigtPolynomial, Eigen::VectorXd>& left, Index count) const {
+    const EquilibratedPolynomials& p = of->polynomials_;
+    Eigen::VectorXd b = tractions.leftCols(count).transpose() * left.second;
+    const VoigtPolynomial moments = at.transpose() * (weight.asDiagonal() * left.first);
+    for (int k = 1; p.size(k - 1) < count; ++k) {
+      const FieldStrains& stress = of->stresses_[static_cast<std::size_t>(k - 1)];
+      for (std::size_t c = 0; c < 6; ++c)
+        b.segment(p.size(k - 1), stress[c].cols()).noalias() +=
+            stress[c].transpose() *
+            moments.col(static_cast<Index>(c)).segment(p.num_monomials(k - 2), stress[c].rows());
+      if (k == degree) break;
+    }
+    return b;
+  }
 };
 
 StressRecovery::StressRecovery(RecoveryProblem problem)
@@ -88,7 +141,15 @@ StressRecovery::StressRecovery(RecoveryProblem problem)
         spread_ = degree_ == 1 + more_degrees ? linear_spread : usual_spread;
         return EquilibratedPolynomials(model_->grid, *problem_.material, degree_);
       }()) {
-  root_ = Eigen::LLT<VoigtMatrix>(problem_.material->C).matrixU();
+  for (int k = 1; k <= degree_; ++k) {
+    const FieldStrains& strains = polynomials_.strains_of_degree(k);
+    FieldStrains& stresses = stresses_.emplace_back();
+    for (std::size_t c = 0; c < 6; ++c) {
+      stresses[c].setZero(strains[c].rows(), strains[c].cols());
+      for (std::size_t d = 0; d < 6; ++d)
+        stresses[c] += problem_.material->C(static_cast<Index>(c), static_cast<Index>(d)) * strains[d];
+    }
+  }
   const double size = std::cbrt(model_->grid.span_volume());
   traction_weight_ = traction_share * size / (effective_modulus(*problem_.material) * model_->grid.span_volume());
   const auto p = model_->grid.degree();
@@ -247,7 +308,8 @@ StressRecovery::Samples StressRecovery::sample(const std::vector<Plan>& plans) c
   return samples;
 }
 
-StressRecovery::Fit StressRecovery::fit(const Plan& plan, const Samples& samples) const {
+StressRecovery::Equations StressRecovery::equations(const Plan& plan, const Samples& samples,
+                                                    const LinearForce& force) const {
   struct Row {
     Point3 s;
     double weight;
@@ -258,7 +320,7 @@ StressRecovery::Fit StressRecovery::fit(const Plan& plan, const Samples& samples
   const auto add = [&](std::vector<Row>& rows, const Point3& u, double weight, std::size_t source) {
     const Point3 s = in_spans(u, plan.centre);
     const double near = std::exp(-plan.spread * dot(s, s));
-    if (near >= smallest_weight) rows.push_back({s, std::sqrt(near * weight), source});
+    if (near >= smallest_weight) rows.push_back({s, near * weight, source});
   };
   for (const std::int32_t cell : plan.cells) {
     const auto a = static_cast<std::size_t>(cell);
@@ -272,84 +334,110 @@ StressRecovery::Fit StressRecovery::fit(const Plan& plan, const Samples& samples
     for (auto k = static_cast<std::size_t>(known.offsets[a]); k < static_cast<std::size_t>(known.offsets[a + 1]); ++k)
       add(tractions, known.parameters[k], known.areas[k] * traction_weight_, k);
   }
-  const auto n = static_cast<Index>(strains.size()), m = static_cast<Index>(tractions.size());
-  Eigen::MatrixX3d s(n + m, 3);
-  Eigen::VectorXd weight(n + m);
-  for (Index r = 0; r < n + m; ++r) {
-    const Row& row = r < n ? strains[static_cast<std::size_t>(r)] : tractions[static_cast<std::size_t>(r - n)];
-    s.row(r) = as_vector(row.s).transpose();
-    weight[r] = row.weight;
+  const auto places = [](const std::vector<Row>& rows) {
+    Eigen::MatrixX3d s(static_cast<Index>(rows.size()), 3);
+    for (std::size_t r = 0; r < rows.size(); ++r) s.row(static_cast<Index>(r)) = as_vector(rows[r].s).transpose();
+    return s;
+  };
+  const auto of_force = [&, factors = force.is_zero() ? VoigtPolynomial() : polynomials_.strain_of_force(force)](
+                            const Eigen::MatrixX3d& s) {
+    VoigtPolynomial strain = VoigtPolynomial::Zero(s.rows(), 6);
+    if (factors.rows() > 0) strain = EquilibratedPolynomials::monomials(s, 2) * factors;
+    return strain;
+  };
+
+  Equations e{this, plan.degree, {}, {}, {}, {}, {}};
+  const Eigen::MatrixX3d inside = places(strains), outside = places(tractions);
+  e.at = EquilibratedPolynomials::monomials(inside, plan.degree - 1);
+  e.weight.resize(inside.rows());
+  e.wanted = -of_force(inside);
+  for (Index r = 0; r < inside.rows(); ++r) {
+    const Row& row = strains[static_cast<std::size_t>(r)];
+    e.weight[r] = row.weight;
+    e.wanted.row(r) += Eigen::Map<const Voigt>(&samples.strains[6 * row.source]).transpose();
   }
-  FieldStrains of_fields = polynomials_.strains(s, plan.degree);
-  for (MatrixXd& one : of_fields) one = weight.asDiagonal() * one;
-  const Index fields = polynomials_.size(plan.degree);
-  MatrixXd A(6 * n + 3 * m, fields);
-  Eigen::VectorXd b(6 * n + 3 * m);
-  const LinearForce force = force_about(plan.cell, plan.centre);
-  const Eigen::Matrix<double, Eigen::Dynamic, 6> of_force =
-      force.is_zero() ? Eigen::Matrix<double, Eigen::Dynamic, 6>::Zero(n + m, 6).eval()
-                      : polynomials_.strains_of_force(s, force);
-  for (Index k = 0; k < 6; ++k) { // root is upper triangular
-    auto rows = A.middleRows(k * n, n);
-    rows.setZero();
-    for (Index j = k; j < 6; ++j) rows += root_(k, j) * of_fields[static_cast<std::size_t>(j)].topRows(n);
-  }
-  for (Index r = 0; r < n; ++r) {
-    const Voigt wanted = Eigen::Map<const Voigt>(&samples.strains[6 * strains[static_cast<std::size_t>(r)].source]) -
-                         of_force.row(r).transpose();
-    const Voigt scaled = weight[r] * (root_ * wanted);
-    for (Index k = 0; k < 6; ++k) b[k * n + r] = scaled[k];
-  }
-  const VoigtMatrix& C = problem_.material->C;
+
   const auto owner_of = [&](std::size_t piece) {
     return std::upper_bound(known.offsets.begin(), known.offsets.end(), static_cast<std::int64_t>(piece)) -
            known.offsets.begin() - 1;
   };
-  MatrixXd of_point(6, fields);
+  const Index m = outside.rows();
+  e.wanted_tractions.resize(3 * m);
+  VoigtPolynomial known_strain = of_force(outside);
+  std::array<VoigtPolynomial, 3> of_strain; // (pieces × 6): a component of the traction is this times the strain
+  for (VoigtPolynomial& one : of_strain) one.resize(m, 6);
   for (Index r = 0; r < m; ++r) {
-    const std::size_t piece = tractions[static_cast<std::size_t>(r)].source;
-    for (std::size_t k = 0; k < 6; ++k) of_point.row(static_cast<Index>(k)) = of_fields[k].row(n + r);
-    const Eigen::Matrix<double, 3, 6> T = known.known[piece] * traction_of_stress(known.normals[piece]) * C;
-    A.middleRows<3>(6 * n + 3 * r).noalias() = T * of_point;
-    Voigt elastic = of_force.row(n + r).transpose();
+    const Row& row = tractions[static_cast<std::size_t>(r)];
+    const double root = std::sqrt(row.weight);
+    const Eigen::Matrix<double, 3, 6> T =
+        root * known.known[row.source] * traction_of_stress(known.normals[row.source]) * problem_.material->C;
     if (problem_.material->initial_strain)
-      elastic -= problem_.material->initial_strain->at(owner_of(piece), known.parameters[piece]).row(0).transpose();
-    b.segment<3>(6 * n + 3 * r) = weight[n + r] * (known.tractions[piece] - T * elastic);
+      known_strain.row(r) -=
+          problem_.material->initial_strain->at(owner_of(row.source), known.parameters[row.source]).row(0);
+    const Eigen::Vector3d wanted = root * known.tractions[row.source] - T * known_strain.row(r).transpose();
+    for (Index i = 0; i < 3; ++i) {
+      of_strain[static_cast<std::size_t>(i)].row(r) = T.row(i);
+      e.wanted_tractions[i * m + r] = wanted[i];
+    }
+    e.traction_weight += row.weight;
   }
-  MatrixXd N = MatrixXd::Zero(fields, fields);
-  N.selfadjointView<Eigen::Lower>().rankUpdate(A.transpose());
+  e.tractions.resize(3 * m, polynomials_.size(plan.degree));
+  const FieldStrains of_fields = polynomials_.strains(outside, plan.degree);
+  for (Index k = 0; k < e.tractions.cols(); ++k) // all components of a column while it is near
+    for (Index i = 0; i < 3; ++i) {
+      const VoigtPolynomial& T = of_strain[static_cast<std::size_t>(i)];
+      e.tractions.col(k).segment(i * m, m) =
+          T.col(0).cwiseProduct(of_fields[0].col(k)) + T.col(1).cwiseProduct(of_fields[1].col(k)) +
+          T.col(2).cwiseProduct(of_fields[2].col(k)) + T.col(3).cwiseProduct(of_fields[3].col(k)) +
+          T.col(4).cwiseProduct(of_fields[4].col(k)) + T.col(5).cwiseProduct(of_fields[5].col(k));
+    }
+  return e;
+}
+
+StressRecovery::Fit StressRecovery::fit(const Plan& plan, const Samples& samples) const {
+  Fit fit;
+  fit.centre = plan.centre;
+  fit.force = force_about(plan.cell, plan.centre);
+  const Equations e = equations(plan, samples, fit.force);
+  MatrixXd N = e.normal_matrix();
+  const Index fields = N.rows();
   Eigen::VectorXd scale(fields);
   for (Index k = 0; k < fields; ++k) scale[k] = N(k, k) > 0 ? 1 / std::sqrt(N(k, k)) : 0;
   N = (scale.asDiagonal() * N * scale.asDiagonal()).eval(); // the lower triangle, which is all that is read
   const auto p = model_->grid.degree();
   const Index followed = polynomials_.size(std::min(plan.degree, *std::min_element(p.begin(), p.end())));
   for (Index k = 0; k < fields; ++k) N(k, k) += k < followed ? rounding : ridge;
+  // The factor of the first fields is the first part of the factor of all.
+  const Eigen::LLT<MatrixXd> factor(N);
   const auto solve = [&](Index count) {
-    const Eigen::LDLT<MatrixXd> factor(N.topLeftCorner(count, count));
+    const auto L = factor.matrixLLT().topLeftCorner(count, count).triangularView<Eigen::Lower>();
+    std::optional<Eigen::LDLT<MatrixXd>> pivoted; // where rounding has made N indefinite
+    if (factor.info() != Eigen::Success) pivoted.emplace(N.topLeftCorner(count, count));
     Eigen::VectorXd x = Eigen::VectorXd::Zero(count);
-    for (int step = 0; step < 3; ++step) { // refinement: what the products A ᵀA lost comes back
-      const Eigen::VectorXd rest = A.leftCols(count).transpose() * (b - A.leftCols(count) * x);
-      x += scale.head(count).cwiseProduct(factor.solve(scale.head(count).cwiseProduct(rest)));
+    for (int step = 0; step < 3; ++step) { // refinement: what the products lost comes back
+      Eigen::VectorXd b = scale.head(count).cwiseProduct(e.right_side(e.rest(x), count));
+      if (pivoted)
+        b = pivoted->solve(b).eval();
+      else {
+        L.solveInPlace(b);
+        L.transpose().solveInPlace(b);
+      }
+      x += scale.head(count).cwiseProduct(b);
     }
     return x;
   };
-  Fit fit;
-  fit.centre = plan.centre;
-  fit.degree = plan.degree;
-  fit.force = force;
   fit.fields = solve(fields);
-  const Eigen::VectorXd rest = b - A * fit.fields;
-  const auto mean_square = [](const auto& rows, const auto& weights) {
-    return rows.size() > 0 ? rows.squaredNorm() / weights.squaredNorm() : 0;
-  };
-  fit.misfit = share_of_strains *
-                   std::sqrt(effective_modulus(*problem_.material) * mean_square(rest.head(6 * n), weight.head(n))) +
-               share_of_tractions * std::sqrt(mean_square(rest.tail(3 * m), weight.tail(m)));
   fit.lower = solve(polynomials_.size(std::max(plan.degree - 1, 1)));
+  const auto [strains, tractions] = e.rest(fit.fields);
+  if (strains.rows() > 0) {
+    const double energy = (strains * problem_.material->C).cwiseProduct(strains).rowwise().sum().dot(e.weight);
+    fit.misfit += share_of_strains * std::sqrt(effective_modulus(*problem_.material) * energy / e.weight.sum());
+  }
+  if (tractions.rows() > 0) fit.misfit += share_of_tractions * std::sqrt(tractions.squaredNorm() / e.traction_weight);
   return fit;
 }
 
-void StressRecovery::evaluate_at(const Fit& fit, const SamplePoints& points, const std::vector<std::size_t>& numbers,
+void StressRecovery::evaluate_at(const Fit& fit, const SamplePoints& points, std::span<const std::size_t> numbers,
                                  RecoveredStress& out) const {
   const auto n = static_cast<Index>(numbers.size());
   Eigen::MatrixX3d s(n, 3);
@@ -357,48 +445,68 @@ void StressRecovery::evaluate_at(const Fit& fit, const SamplePoints& points, con
     const double* u = &points.parameters[3 * numbers[static_cast<std::size_t>(r)]];
     s.row(r) = as_vector(in_spans({u[0], u[1], u[2]}, fit.centre)).transpose();
   }
-  const FieldStrains of_fields = polynomials_.strains(s, fit.degree);
-  Eigen::Matrix<double, Eigen::Dynamic, 6> strain = Eigen::Matrix<double, Eigen::Dynamic, 6>::Zero(n, 6), change(n, 6);
-  if (!fit.force.is_zero()) strain = polynomials_.strains_of_force(s, fit.force);
-  for (std::size_t k = 0; k < 6; ++k) {
-    const Eigen::VectorXd higher = of_fields[k] * fit.fields;
-    strain.col(static_cast<Index>(k)) += higher;
-    change.col(static_cast<Index>(k)) = higher - of_fields[k].leftCols(fit.lower.size()) * fit.lower;
-  }
-  if (problem_.material->initial_strain)
-    for (Index r = 0; r < n; ++r) {
-      const std::size_t at = numbers[static_cast<std::size_t>(r)];
-      strain.row(r) -=
-          problem_.material->initial_strain->at(points.cell[at], std::span(&points.parameters[3 * at], 3)).row(0);
-    }
+  const VoigtPolynomial higher = polynomials_.strain(fit.fields), lower = polynomials_.strain(fit.lower);
+  const VoigtPolynomial of_force = fit.force.is_zero() ? VoigtPolynomial() : polynomials_.strain_of_force(fit.force);
+  // Strain and what the highest degree changes, side by side.
+  MatrixXd both = MatrixXd::Zero(std::max(higher.rows(), of_force.rows()), 12);
+  both.topRightCorner(higher.rows(), 6) = higher;
+  both.topRightCorner(lower.rows(), 6) -= lower;
+  both.topLeftCorner(higher.rows(), 6) = higher;
+  if (of_force.rows() > 0) both.topLeftCorner(of_force.rows(), 6) += of_force;
+  both.leftCols<6>() = (both.leftCols<6>() * problem_.material->C).eval();
+  both.rightCols<6>() = (both.rightCols<6>() * problem_.material->C).eval();
+  int degree = 0;
+  while (EquilibratedPolynomials::num_monomials(degree) < both.rows()) ++degree;
+  const Eigen::Matrix<double, 12, Eigen::Dynamic> stresses =
+      (EquilibratedPolynomials::monomials(s, degree) * both).transpose();
   for (Index r = 0; r < n; ++r) {
     const std::size_t at = numbers[static_cast<std::size_t>(r)];
-    const Voigt stress = problem_.material->C * strain.row(r).transpose(),
-                off = problem_.material->C * change.row(r).transpose();
+    Voigt stress = stresses.col(r).head<6>();
+    if (problem_.material->initial_strain)
+      stress -= problem_.material->C *
+                problem_.material->initial_strain->at(points.cell[at], std::span(&points.parameters[3 * at], 3))
+                    .row(0)
+                    .transpose();
     std::copy(stress.data(), stress.data() + 6, &out.stress[6 * at]);
     out.von_mises[at] = von_mises(stress);
-    out.error[at] = von_mises(off) + fit.misfit;
+    out.error[at] = von_mises(stresses.col(r).tail<6>()) + fit.misfit;
   }
 }
 
-RecoveredStress StressRecovery::at(const SamplePoints& points) const {
-  std::map<std::int64_t, std::vector<std::size_t>> of_cell;
-  for (std::size_t k = 0; k < points.cell.size(); ++k) of_cell[points.cell[k]].push_back(k);
-  std::vector<std::int64_t> cells;
-  for (const auto& entry : of_cell) cells.push_back(entry.first);
-  RecoveredStress out;
-  out.stress.resize(6 * points.cell.size());
-  out.von_mises.resize(points.cell.size());
-  out.error.resize(points.cell.size());
+void StressRecovery::make_fits(std::vector<std::int64_t> cells) {
+  std::erase_if(cells, [&](std::int64_t cell) { return fits_.contains(cell); });
   for (std::size_t first = 0; first < cells.size(); first += plans_at_once) {
     const std::size_t count = std::min(plans_at_once, cells.size() - first);
     std::vector<Plan> plans(count);
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) { plans[k] = plan(cells[first + k]); });
     const Samples samples = sample(plans);
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
-      evaluate_at(fit(plans[k], samples), points, of_cell.at(cells[first + k]), out);
-    });
+    std::vector<Fit> fits(count);
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) { fits[k] = fit(plans[k], samples); });
+    for (std::size_t k = 0; k < count; ++k) fits_.emplace(cells[first + k], std::move(fits[k]));
   }
+}
+
+RecoveredStress StressRecovery::at(const SamplePoints& points) {
+  std::vector<std::size_t> order(points.cell.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return points.cell[a] < points.cell[b]; });
+  std::vector<std::int64_t> cells;
+  std::vector<std::size_t> first; // of each cell's points in the order
+  for (std::size_t k = 0; k < order.size(); ++k)
+    if (k == 0 || points.cell[order[k]] != cells.back()) {
+      cells.push_back(points.cell[order[k]]);
+      first.push_back(k);
+    }
+  first.push_back(order.size());
+  make_fits(cells);
+  RecoveredStress out;
+  out.stress.resize(6 * points.cell.size());
+  out.von_mises.resize(points.cell.size());
+  out.error.resize(points.cell.size());
+  tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t k) {
+    evaluate_at(fits_.at(cells[k]), points, std::span(order).subspan(first[k], first[k + 1] - first[k]), out);
+  });
   return out;
 }
 

@@ -6,6 +6,8 @@
 #include "solver/stress/equilibrated_polynomials.hpp"
 #include "solver/stress/known_tractions.hpp"
 
+#include <unordered_map>
+
 namespace iga::solve {
 
 /// A static solution of one body. Initial strains of its material must be smooth.
@@ -35,18 +37,28 @@ class StressRecovery {
  public:
   explicit StressRecovery(RecoveryProblem problem);
 
-  /// Parallel; the same bits for any number of threads.
-  RecoveredStress at(const SamplePoints& points) const;
+  /// Fits are kept: cells that were asked for before cost nothing but the evaluation. Parallel; the same bits for any
+  /// number of threads and any order of calls.
+  RecoveredStress at(const SamplePoints& points);
 
  private:
   struct Plan;
-  struct Fit;
   struct Samples;
+  struct Equations;
+  /// Factors of the fields, and those of the fit of one degree less.
+  struct Fit {
+    Point3 centre{};
+    LinearForce force;
+    Eigen::VectorXd fields, lower;
+    double misfit = 0; ///< share of what it leaves of strains and tractions in the error, force/length²
+  };
   Plan plan(std::int64_t cell) const;
   bool take(Plan& plan, double least_fraction, double spread) const;
   Samples sample(const std::vector<Plan>& plans) const;
+  Equations equations(const Plan& plan, const Samples& samples, const LinearForce& force) const;
   Fit fit(const Plan& plan, const Samples& samples) const;
-  void evaluate_at(const Fit& fit, const SamplePoints& points, const std::vector<std::size_t>& numbers,
+  void make_fits(std::vector<std::int64_t> cells);
+  void evaluate_at(const Fit& fit, const SamplePoints& points, std::span<const std::size_t> numbers,
                    RecoveredStress& out) const;
   std::vector<std::int32_t> neighbourhood(std::int64_t cell, int rings) const;
   /// Where strains are taken in a cell: parameters (n × 3) and shares of a span (n).
@@ -60,11 +72,12 @@ class StressRecovery {
   int degree_;
   double spread_;
   EquilibratedPolynomials polynomials_;
-  VoigtMatrix root_;             ///< rootᵀ root = C
-  double traction_weight_;       ///< of |t|² on a unit area against strain energy of a unit share of a span
-  std::vector<double> whole_[2]; ///< data points of a whole span in units of it (n × 3), and their weights (n)
+  std::vector<FieldStrains> stresses_; ///< C ε of polynomials_.strains_of_degree(1 …)
+  double traction_weight_;             ///< of |t|² on a unit area against strain energy of a unit share of a span
+  std::vector<double> whole_[2];       ///< data points of a whole span in units of it (n × 3), and their weights (n)
   std::vector<std::size_t> first_neighbour_;
   std::vector<std::int32_t> neighbours_;
+  std::unordered_map<std::int64_t, Fit> fits_;
 };
 
 } // namespace iga::solve

@@ -36,7 +36,8 @@ def compare(results):
         frequencies = file["frequencies"][()] if "frequencies" in file else None
     reader = opened(results.with_suffix(".pvd"))
     np.testing.assert_array_equal(reader.TimestepValues, surface["steps"])
-    fields = [name for name in ("displacement", "von_mises", "stress", "strain", "temperature", "heat_flux") if name in surface]
+    fields = [name for name in ("displacement", "von_mises", "stress", "strain", "temperature", "heat_flux",
+                               "von_mises_error", "safety_factor") if name in surface]
     for step, time in enumerate(reader.TimestepValues):
         reader.UpdatePipeline(time)
         data = servermanager.Fetch(reader)

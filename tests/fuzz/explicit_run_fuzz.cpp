@@ -1,4 +1,5 @@
-// Run files of `igasolve explicit` and `nonlinear`. The files that the seeds name exist beside them; the models are not opened yet.
+// Run files of `igasolve explicit` and `nonlinear`. The files that the seeds name exist beside them; the models are not
+// opened yet.
 #include "solver/explicit/run/run_file.hpp"
 #include "solver/nonlinear/nonlinear_run.hpp"
 #include "tests/fuzz/fuzz_input.hpp"

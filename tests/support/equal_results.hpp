@@ -28,6 +28,8 @@ inline void expect_equal(const FieldSamples& a, const FieldSamples& b) {
   EXPECT_EQ(a.von_mises, b.von_mises);
   EXPECT_EQ(a.temperature, b.temperature);
   EXPECT_EQ(a.heat_flux, b.heat_flux);
+  EXPECT_EQ(a.von_mises_error, b.von_mises_error);
+  EXPECT_EQ(a.safety_factor, b.safety_factor);
 }
 
 inline void expect_equal(const EigenResult& a, const EigenResult& b) {

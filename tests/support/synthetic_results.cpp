@@ -210,6 +210,8 @@ Results make_full_results(const TrimmedModel& model) {
   r.surface->fields.strain = counted(9 * 6 * n, 20);
   r.surface->fields.temperature = counted(9 * n, 50);
   r.surface->fields.heat_flux = counted(9 * 3 * n, 60);
+  r.surface->fields.von_mises_error = counted(9 * n, 70);
+  r.surface->fields.safety_factor = counted(9 * n, 80);
   return r;
 }
 
