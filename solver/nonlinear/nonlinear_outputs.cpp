@@ -5,6 +5,8 @@
 #include "format/io/vtp_writer.hpp"
 #include "format/model/errors.hpp"
 #include "format/model/time_series.hpp"
+#include "format/model/vec3.hpp"
+#include "solver/base/eigen_points.hpp"
 
 #include <fmt/format.h>
 
@@ -31,6 +33,14 @@ NonlinearOutputs::NonlinearOutputs(const NonlinearRun& run, const NonlinearStati
   TimeSeries series;
   series.bodies.emplace_back();
   series.bodies.back().name = nonlinear_body;
+  for (const ToolContactSettings& contact : run.contacts) {
+    series.contacts.emplace_back();
+    series.contacts.back().name = contact.name;
+  }
+  for (const RigidRun& rigid : run.rigid) {
+    series.rigid.emplace_back();
+    series.rigid.back().name = rigid.body.name;
+  }
   for (const Support& support : run.supports) series.supports.push_back({support.name, {}});
   for (const Probe& probe : run.probes) series.probes.push_back({probe.name, {}});
   results_.time_series = std::move(series);
@@ -69,13 +79,44 @@ void NonlinearOutputs::record(const StepReport& step) {
   t.time.push_back(statics_.factor());
   t.iterations.push_back(step.iterations);
   t.residual.push_back(step.residual);
-  t.energy[0].push_back(statics_.internal_work()); // internal
+  // In the order of TimeSeries::energy_names.
+  t.energy[0].push_back(statics_.internal_work());
+  if (!run_.contacts.empty()) {
+    t.energy[2].push_back(statics_.contact_energy());
+    t.energy[3].push_back(statics_.friction_energy());
+    t.energy[5].push_back(statics_.external_work());
+  }
+  record_contacts(t);
   t.bodies[0].min_volume_ratio.push_back(step.points.min_J);
   t.bodies[0].inverted.push_back(static_cast<double>(step.points.inverted));
   const std::vector<SupportForce> forces = statics_.support_forces();
   for (std::size_t s = 0; s < forces.size(); ++s) append(t.supports[s].force, forces[s].force);
   const std::vector<Point3> probes = statics_.probe_displacements();
   for (std::size_t k = 0; k < probes.size(); ++k) append(t.probes[k].displacement, probes[k]);
+}
+
+void NonlinearOutputs::record_contacts(TimeSeries& t) const {
+  std::vector<Point3> force(run_.rigid.size()), moment(run_.rigid.size());
+  for (std::size_t c = 0; c < run_.contacts.size(); ++c) {
+    const ToolContactReport& report = statics_.contact_reports()[c];
+    TimeSeries::Contact& row = t.contacts[c];
+    append(row.force, times(report.force, run_.contacts[c].swapped ? -1 : 1));
+    row.normal_force.push_back(report.normal_force);
+    row.friction_force.push_back(report.friction_force);
+    row.depth.push_back(report.depth);
+    row.area.push_back(report.area);
+    const std::size_t tool = run_.contacts[c].tool;
+    force[tool] = minus(force[tool], report.force);
+    moment[tool] = minus(moment[tool], report.moment);
+  }
+  for (std::size_t r = 0; r < run_.rigid.size(); ++r) {
+    TimeSeries::Rigid& row = t.rigid[r];
+    const Pose pose = pose_of(run_.rigid[r].body, statics_.factor());
+    append(row.position, as_point(pose.centre));
+    for (const double q : {pose.turn.w(), pose.turn.x(), pose.turn.y(), pose.turn.z()}) row.rotation.push_back(q);
+    append(row.force, force[r]);
+    append(row.moment, moment[r]);
+  }
 }
 
 void NonlinearOutputs::write_fields() {

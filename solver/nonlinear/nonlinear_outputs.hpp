@@ -8,8 +8,6 @@
 
 namespace iga::solve {
 
-inline constexpr const char* nonlinear_body = "part"; ///< name of the body in the results
-
 class NonlinearOutputs {
  public:
   /// @param results  out.h5; beside it come out_fields/, out_vtp/ and out.pvd. Empty: nothing is written
@@ -32,6 +30,7 @@ class NonlinearOutputs {
 
  private:
   void record(const StepReport& step);
+  void record_contacts(TimeSeries& t) const;
   void write_fields();
   void write_index() const;
 

@@ -19,7 +19,8 @@ std::vector<Point3> last_probes(const NonlinearOutcome& o) {
 
 } // namespace
 
-std::vector<std::string> step_warnings(const NonlinearRun& run, const std::vector<StepReport>& steps) {
+std::vector<std::string> step_warnings(const NonlinearRun& run, double span_size,
+                                       const std::vector<StepReport>& steps) {
   std::vector<std::string> all;
   for (const StepReport& step : steps)
     if (step.points.inverted > 0) {
@@ -35,6 +36,18 @@ std::vector<std::string> step_warnings(const NonlinearRun& run, const std::vecto
                                 step.factor));
       break;
     }
+  for (std::size_t c = 0; c < run.contacts.size(); ++c) {
+    const StepReport* deepest = nullptr;
+    for (const StepReport& step : steps)
+      if (!deepest || step.contacts[c].depth > deepest->contacts[c].depth) deepest = &step;
+    if (!deepest) continue;
+    const ToolContactReport& r = deepest->contacts[c];
+    if (r.depth <= run.depth_warning * span_size) continue;
+    all.push_back(fmt::format("contact '{}': the part sinks {:.2g} spans into the tool at the load factor {:.5g}, at "
+                              "({:.4g}, {:.4g}, {:.4g}); a larger stiffness than {:g} or smaller spans",
+                              run.contacts[c].name, r.depth / span_size, deepest->factor, r.deepest[0], r.deepest[1],
+                              r.deepest[2], run.contacts[c].stiffness));
+  }
   return all;
 }
 
@@ -67,11 +80,25 @@ std::string nonlinear_text(const NonlinearOutcome& o) {
                 support.gap > 0 ? fmt::format(", gives way by {:.3g} (root mean square)", support.gap) : "");
     balance = plus(balance, support.force);
   }
-  report.line("balance", "loads + reactions {}", vector_text(balance));
+  report.line("balance", "{} {}", o.run.contacts.empty() ? "loads + reactions" : "loads + reactions + contacts",
+              vector_text(balance));
+  for (std::size_t c = 0; c < o.run.contacts.size(); ++c) {
+    const ToolContactReport& r = o.statics.contact_reports()[c];
+    report.line("contact", "{}: force {} on the part, normal {:.6g}, friction {:.6g}", o.run.contacts[c].name,
+                vector_text(r.force), r.normal_force, r.friction_force);
+    report.line("", "area {:.6g} (undeformed), {} points of which {} slide, {:.2g} spans deep", r.area, r.points,
+                r.sliding, r.depth / o.statics.contacts()[c].span_size());
+    balance = plus(balance, r.force);
+  }
   const std::vector<Point3> probes = last_probes(o);
   for (std::size_t k = 0; k < probes.size(); ++k)
     report.line("probe", "{}: displacement {}", o.run.probes[k].name, vector_text(probes[k]));
   report.line("energy", "internal forces did the work {:.6g}", o.statics.internal_work());
+  if (!o.run.contacts.empty())
+    report.line("", "loads, supports and tools {:.6g}; contact stores {:.6g}, friction took {:.6g}; {:.2g} is missing",
+                o.statics.external_work(), o.statics.contact_energy(), o.statics.friction_energy(),
+                o.statics.external_work() - o.statics.internal_work() - o.statics.contact_energy() -
+                    o.statics.friction_energy());
   if (!o.outputs.path().empty()) {
     report.line("results", "{}: {} steps", o.outputs.path().string(), o.outputs.series().time.size());
     if (o.run.viewer) report.line("viewer", "{}", io::viewer_index(o.outputs.path()).string());
@@ -91,7 +118,7 @@ std::string nonlinear_text(const NonlinearOutcome& o) {
 std::string nonlinear_json(const NonlinearOutcome& o) {
   const SolutionSpace& space = o.statics.body().space();
   const ModelSummary summary = summarise(space.model());
-  std::vector<io::JsonObject> steps, supports, probes;
+  std::vector<io::JsonObject> steps, supports, probes, contacts;
   for (const StepReport& step : o.steps) {
     steps.push_back(io::JsonObject()
                         .add("factor", step.factor)
@@ -108,6 +135,20 @@ std::string nonlinear_json(const NonlinearOutcome& o) {
                            .add("force", support.force)
                            .add("moment", support.moment)
                            .add("gap", support.gap));
+  for (std::size_t c = 0; c < o.run.contacts.size(); ++c) {
+    const ToolContactReport& r = o.statics.contact_reports()[c];
+    contacts.push_back(io::JsonObject()
+                           .add("name", o.run.contacts[c].name)
+                           .add("force", r.force)
+                           .add("moment", r.moment)
+                           .add("normal_force", r.normal_force)
+                           .add("friction_force", r.friction_force)
+                           .add("area", r.area)
+                           .add("points", r.points)
+                           .add("sliding", r.sliding)
+                           .add("depth", r.depth)
+                           .add("depth_in_spans", r.depth / o.statics.contacts()[c].span_size()));
+  }
   const std::vector<Point3> displacements = last_probes(o);
   for (std::size_t k = 0; k < displacements.size(); ++k)
     probes.push_back(io::JsonObject()
@@ -121,6 +162,11 @@ std::string nonlinear_json(const NonlinearOutcome& o) {
   report.add("spans", spans).add("points", space.model().points.weights.size()).add("unknowns", space.num_unknowns());
   report.add("factor", o.statics.factor()).add("steps", steps).add("load_force", o.statics.load_force());
   report.add("supports", supports).add("probes", probes).add("internal_work", o.statics.internal_work());
+  if (!contacts.empty())
+    report.add("contacts", contacts)
+        .add("external_work", o.statics.external_work())
+        .add("contact_energy", o.statics.contact_energy())
+        .add("friction_energy", o.statics.friction_energy());
   report.add("output", o.outputs.path().string()).add("timings", timings).add("peak_memory_mib", peak_memory_mib());
   report.add("warnings", o.warnings).add("findings", o.findings);
   return report.text();

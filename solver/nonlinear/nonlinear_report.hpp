@@ -16,8 +16,9 @@ struct NonlinearOutcome {
   const std::vector<std::string>& warnings;
 };
 
-/// What the steps should be warned of: points below min_volume_ratio, tangents that are not positive definite.
-std::vector<std::string> step_warnings(const NonlinearRun& run, const std::vector<StepReport>& steps);
+/// What the steps should be warned of: points below min_volume_ratio, tangents that are not positive definite, deep
+/// contact. @param span_size  smallest side, length
+std::vector<std::string> step_warnings(const NonlinearRun& run, double span_size, const std::vector<StepReport>& steps);
 
 std::string nonlinear_text(const NonlinearOutcome& outcome);
 std::string nonlinear_json(const NonlinearOutcome& outcome);

@@ -13,8 +13,8 @@ namespace iga::solve {
 namespace {
 
 constexpr const char* format = "iga-trimmed-solid-nonlinear-restart";
-constexpr const char* format_version = "1.0";
-constexpr int format_major = 1;
+constexpr const char* format_version = "2.0";
+constexpr int format_major = 2;
 
 void write_numbers(io::H5Writer& file, const char* path, const std::vector<double>& values) {
   io::write(file, {path, "mixed", "as the program keeps them", "state of the run"}, values);
@@ -70,10 +70,11 @@ void write_restart(const std::filesystem::path& path, const NonlinearRestart& r)
   for (const InputFile& input : r.inputs) inputs.emplace_back(input.name, input.sha256);
   write_pairs(file, "/input_names", "/input_sha256", inputs);
   write_pairs(file, "/setting_paths", "/setting_values", r.settings);
-  write_numbers(file, "/numbers", {r.state.factor, r.state.increment, r.state.work});
+  write_numbers(file, "/numbers", {r.state.factor, r.state.increment, r.state.work, r.state.external});
   write_numbers(file, "/displacement", {r.state.u.data(), r.state.u.data() + r.state.u.size()});
   write_numbers(file, "/history", r.state.points.history);
   write_numbers(file, "/deformation", r.state.points.F_old);
+  write_numbers(file, "/contacts", r.state.contacts);
   file.commit();
 }
 
@@ -88,15 +89,17 @@ NonlinearRestart read_nonlinear_restart(const std::filesystem::path& path) {
   for (auto& [name, sum] : read_pairs(file, "/input_names", "/input_sha256")) r.inputs.push_back({name, sum});
   r.settings = read_pairs(file, "/setting_paths", "/setting_values");
   const auto numbers = read_numbers(file, "/numbers");
-  if (numbers.size() != 3) file.refuse("/numbers", fmt::format("holds {} numbers, expected 3", numbers.size()));
+  if (numbers.size() != 4) file.refuse("/numbers", fmt::format("holds {} numbers, expected 4", numbers.size()));
   r.state.factor = numbers[0];
   r.state.increment = numbers[1];
   r.state.work = numbers[2];
+  r.state.external = numbers[3];
   if (!(r.state.factor >= 0 && r.state.factor <= 1 && r.state.increment > 0))
     file.refuse("/numbers",
                 fmt::format("load factor {} and step {}, expected 0 … 1 and above 0", numbers[0], numbers[1]));
   const auto u = read_numbers(file, "/displacement");
   r.state.u = Eigen::Map<const Eigen::VectorXd>(u.data(), static_cast<Eigen::Index>(u.size()));
+  r.state.contacts = read_numbers(file, "/contacts");
   r.state.points = {read_numbers(file, "/history"), read_numbers(file, "/deformation"), {}};
   return r;
 }

@@ -5,6 +5,7 @@
 #include "solver/base/run_tables.hpp"
 #include "solver/explicit/run/run_parts.hpp"
 
+#include <algorithm>
 #include <fmt/format.h>
 
 namespace iga::solve {
@@ -117,6 +118,55 @@ void read_loads(io::SettingsTable& root, NonlinearRun& run) {
         refuse(probes[k], "name", fmt::format("there is another probe '{}'; give each a name", run.probes[k].name));
 }
 
+// One run file for both kinds of runs: tools and contacts are read as those of explicit runs, then what has no meaning
+// without time is refused.
+void read_tools(io::SettingsTable& root, NonlinearRun& run) {
+  ExplicitRun both;
+  both.bodies.emplace_back();
+  both.bodies.back().body.name = nonlinear_body;
+  auto tools = root.tables("rigid_bodies");
+  for (io::SettingsTable& table : tools)
+    if (table.text("motion") == "free")
+      refuse(table, "motion",
+             "found \"free\", expected \"fixed\" or \"driven\": statics know no inertia; drive the tool");
+  read_rigid_bodies(root, {}, both);
+  read_contacts(root, both);
+  io::SettingsTable search = root.table("contact");
+  if (search.holds("skin")) refuse(search, "skin", "every point is looked at in each iteration; leave it out");
+  auto tables = root.tables("contacts");
+  for (std::size_t c = 0; c < both.contacts.size(); ++c) {
+    io::SettingsTable& table = tables[c];
+    const ContactPair& pair = both.contacts[c].pair;
+    if (pair.second.kind != ContactSide::Kind::Rigid)
+      refuse(table, table.holds("self") ? "self" : "bodies",
+             "statics know contact of the part with rigid tools; igasolve explicit has bodies that touch themselves");
+    for (const char* key : {"friction_dynamic", "friction_decay", "damping"})
+      if (table.holds(key)) refuse(table, key, "statics know no velocities; leave it out");
+    if (table.holds("edges")) refuse(table, "edges", "points of the part touch here, no edges; leave it out");
+    ToolContactSettings contact;
+    contact.name = pair.name;
+    contact.where = pair.where;
+    contact.tool = pair.second.number;
+    contact.regions = pair.first.regions;
+    contact.friction = pair.friction.static_coefficient;
+    contact.rough = table.boolean("rough").value_or(false);
+    if (contact.rough && table.holds("friction"))
+      refuse(table, "friction", "given together with rough = true, which sticks at any force; leave one out");
+    contact.stiffness = number_from(table, "stiffness", contact.stiffness, 0, true);
+    contact.swapped = both.contacts[c].swapped;
+    run.contacts.push_back(std::move(contact));
+  }
+  for (std::size_t r = 0; r < both.rigid.size(); ++r) {
+    const bool touched = std::ranges::any_of(run.contacts, [r](const auto& contact) { return contact.tool == r; });
+    if (!touched)
+      run.warnings.push_back(fmt::format("{}: no [[contacts]] names it: it touches nothing", tools[r].where("shape")));
+  }
+  run.rigid = std::move(both.rigid);
+  for (const RunInput& input : both.inputs) run.inputs.push_back(input.file);
+  io::SettingsTable watch = root.table("watch");
+  run.depth_warning = number_from(watch, "depth_warning", run.depth_warning, 0);
+}
+
 void read_newton(io::SettingsTable& root, NonlinearRun& run) {
   io::SettingsTable table = root.table("nonlinear");
   NewtonSettings& s = run.newton;
@@ -153,7 +203,16 @@ std::vector<io::TableKeys> nonlinear_keys() {
       {"material", material_keys()},
       {"nonlinear", {"steps", "tolerance", "max_iterations", "smallest_step"}},
       {"results", {"subdivide", "viewer", "points"}},
-      {"load", {"follower"}}};
+      {"load", {"follower"}},
+      {"rigid_bodies",
+       {"name", "shape", "radius", "normal", "axis", "height", "size", "file", "scale", "density", "centre", "motion",
+        "mass", "inertia", "velocity", "spin", "guided", "rotates"}},
+      {"rigid_bodies.drive", {"kind", "smooth", "x", "y", "z", "rotation", "axis"}},
+      {"contact", {"skin"}},
+      {"contacts",
+       {"name", "bodies", "self", "first_regions", "second_regions", "friction", "friction_dynamic", "friction_decay",
+        "rough", "stiffness", "damping", "edges"}},
+      {"watch", {"depth_warning"}}};
   for (const auto& more : static_keys()) keys.push_back(more);
   return keys;
 }
@@ -175,6 +234,7 @@ NonlinearRun read_nonlinear_run(const std::filesystem::path& file) {
   run.units = root.text("units");
   read_supports(root, run);
   read_loads(root, run);
+  read_tools(root, run);
   read_material(root, run);
   run.light = read_light(root);
   read_newton(root, run);

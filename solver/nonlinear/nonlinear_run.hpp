@@ -2,7 +2,9 @@
 #pragma once
 
 #include "solver/explicit/laws/material_settings.hpp"
+#include "solver/explicit/run/run_file.hpp"
 #include "solver/mechanics/material_table.hpp"
+#include "solver/nonlinear/tool_contact.hpp"
 #include "solver/space/light_treatment.hpp"
 #include "solver/supports/read_supports.hpp"
 
@@ -25,6 +27,8 @@ struct NonlinearLoad {
   bool follower = false; ///< a pressure that follows the surface
 };
 
+inline constexpr const char* nonlinear_body = "part"; ///< name of the body in run files and results
+
 struct NonlinearRun {
   std::filesystem::path file;
   std::vector<io::SettingsEntry> settings; ///< the run file's values as written
@@ -36,6 +40,9 @@ struct NonlinearRun {
   std::vector<Support> supports;
   std::vector<NonlinearLoad> loads;
   std::vector<Probe> probes;
+  std::vector<RigidRun> rigid; ///< tools; their time is the load factor
+  std::vector<ToolContactSettings> contacts;
+  double depth_warning = 0.02; ///< of contact, in spans
   NewtonSettings newton;
   int subdivide = 2;                         ///< surface of the results: longest edge at most span / subdivide
   bool points = false;                       ///< stresses at the quadrature points too

@@ -8,7 +8,9 @@
 #include "solver/linalg/unsymmetric_solver.hpp"
 #include "solver/mechanics/body_system.hpp"
 #include "solver/supports/support_check.hpp"
+#include "solver/supports/support_rows.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -49,6 +51,8 @@ NonlinearStatics::NonlinearStatics(const NonlinearRun& run, const SolutionSpace&
       probes_(run.probes), places_(locate_probes(space.model(), run.probes)) {
   add_loads(run);
   add_supports(run);
+  add_contacts(run);
+  need_held(run);
   state_.increment = 1.0 / settings_.steps;
   state_.u = Eigen::VectorXd::Zero(space.num_unknowns());
   tangent_ = make_tangent();
@@ -73,17 +77,42 @@ void NonlinearStatics::add_supports(const NonlinearRun& run) {
     if (prepared.support.along_normal) need_flat(prepared);
   const std::vector<std::string> of_regions = region_warnings(supports_.regions);
   warnings_.insert(warnings_.end(), of_regions.begin(), of_regions.end());
+}
+
+void NonlinearStatics::add_contacts(const NonlinearRun& run) {
+  const double modulus = penalty_stiffness(*space_, small_strain_, Extent::Surface);
+  for (const ToolContactSettings& contact : run.contacts) {
+    contacts_.emplace_back(*space_, contact, run.rigid[contact.tool].body, modulus);
+    contact_reports_.emplace_back();
+  }
+}
+
+// What touches a tool before the first step is held like by a foundation.
+void NonlinearStatics::need_held(const NonlinearRun& run) const {
   const BodySystem system(*space_, small_strain_);
-  const std::vector<std::string> free = free_rigid_motions(system, connectivity_->pattern, std::span(&supports_, 1));
-  if (!free.empty())
-    throw InputError(fmt::format("{}: statics need supports that resist every rigid motion:\n  {}\n"
-                                 "add a [[support]] or fix more components",
-                                 run.supports.empty() ? "no support is given" : "the supports do not hold the part",
-                                 fmt::join(free, "\n  ")));
+  std::vector<PreparedSpring> touching;
+  for (const ToolContact& contact : contacts_) {
+    PreparedSpring spring;
+    spring.spring.normal = 1;
+    spring.spring.tangential = contact.settings().rough || contact.settings().friction > 0 ? 1 : 0;
+    spring.region = contact.touching();
+    touching.push_back(std::move(spring));
+  }
+  const std::vector<std::string> free =
+      free_rigid_motions(system, connectivity_->pattern, std::span(&supports_, 1), touching);
+  if (free.empty()) return;
+  throw InputError(fmt::format("{}{}: statics need supports that resist every rigid motion:\n  {}\n"
+                               "add a [[support]] or fix more components{}",
+                               run.supports.empty() ? "no support is given" : "the supports do not hold the part",
+                               contacts_.empty() ? "" : ", nor do the tools that it touches at the start",
+                               fmt::join(free, "\n  "),
+                               contacts_.empty() ? "" : ", or place the tools so that they touch it"));
 }
 
 Tangent NonlinearStatics::make_tangent() const {
-  return Tangent(connectivity_, body_->law().is_symmetric() && pressures_.empty());
+  return Tangent(connectivity_,
+                 body_->law().is_symmetric() && pressures_.empty() &&
+                     std::ranges::all_of(contacts_, [](const ToolContact& contact) { return contact.is_symmetric(); }));
 }
 
 NonlinearStatics::Residual NonlinearStatics::residual(const Eigen::VectorXd& u, double factor) const {
@@ -93,8 +122,11 @@ NonlinearStatics::Residual NonlinearStatics::residual(const Eigen::VectorXd& u, 
   Eigen::VectorXd loads = factor * dead_;
   for (const FollowerPressure& pressure : pressures_) pressure.add_forces(u, factor, loads);
   const Eigen::VectorXd pull = holding_ * u, held = factor * supports_.load - pull;
-  found.r = loads + held - found.internal;
-  found.size = std::max({loads.norm(), held.norm(), found.internal.norm()});
+  Eigen::VectorXd touched = Eigen::VectorXd::Zero(u.size());
+  for (const ToolContact& contact : contacts_) contact.add_forces(u, factor, touched);
+  found.external = loads + held;
+  found.r = found.external + touched - found.internal;
+  found.size = std::max({loads.norm(), held.norm(), touched.norm(), found.internal.norm()});
   found.rounding = 64 * std::numeric_limits<double>::epsilon() * (pull.norm() + found.size);
   return found;
 }
@@ -104,6 +136,7 @@ void NonlinearStatics::tangent(const Eigen::VectorXd& u, double factor, Tangent&
   if (!A.symmetric) std::copy(holding_.values().begin(), holding_.values().end(), A.upper.values().begin());
   body_->add_tangent(u, A);
   for (const FollowerPressure& pressure : pressures_) pressure.subtract_stiffness(u, factor, A);
+  for (const ToolContact& contact : contacts_) contact.subtract_stiffness(u, factor, A);
 }
 
 Eigen::VectorXd NonlinearStatics::solve(const Eigen::VectorXd& r, StepReport& report) const {
@@ -169,6 +202,7 @@ bool NonlinearStatics::equilibrate(double factor, bool search, Eigen::VectorXd& 
 
 StepReport NonlinearStatics::advance(double target, const std::function<void(const std::string&)>& show) {
   StepReport all;
+  std::string lost;
   constexpr double last_bit = 1e-12;
   while (state_.factor < target - last_bit) {
     const double largest = 1.0 / settings_.steps;
@@ -186,9 +220,22 @@ StepReport NonlinearStatics::advance(double target, const std::function<void(con
       found = equilibrate(factor, true, u, report, show);
     }
     if (found) {
+      lost.clear();
+      for (const ToolContact& contact : contacts_)
+        if (lost.empty()) lost = contact.too_far(u, factor);
+      found = lost.empty();
+    }
+    if (found) {
       const Eigen::VectorXd moved = u - state_.u;
       const Residual before = residual(state_.u, state_.factor), after = residual(u, factor);
       state_.work += 0.5 * (before.internal + after.internal).dot(moved);
+      state_.external += 0.5 * (before.external + after.external).dot(moved);
+      Eigen::VectorXd ignored = Eigen::VectorXd::Zero(u.size());
+      for (std::size_t c = 0; c < contacts_.size(); ++c) {
+        contact_reports_[c] = contacts_[c].add_forces(u, factor, ignored);
+        contacts_[c].keep(u, factor);
+      }
+      report.contacts = contact_reports_;
       body_->keep(u);
       state_.u = std::move(u);
       state_.factor = factor;
@@ -199,8 +246,8 @@ StepReport NonlinearStatics::advance(double target, const std::function<void(con
       if (state_.increment < settings_.smallest_step * largest)
         throw NumericalError(fmt::format(
             "no equilibrium was found beyond the load factor {:.6g}: steps down to {:.2g} of a load step did not "
-            "converge{}",
-            state_.factor, settings_.smallest_step,
+            "converge{}{}",
+            state_.factor, settings_.smallest_step, lost.empty() ? "" : "; " + lost,
             report.definite ? "" : "; the stiffness is no longer positive definite: the part buckles or gives way"));
     }
     const int iterations = all.iterations + report.iterations, cuts = all.cuts;
@@ -254,8 +301,30 @@ Point3 NonlinearStatics::load_force() const {
   return sum;
 }
 
+double NonlinearStatics::external_work() const {
+  double sum = state_.external;
+  for (const ToolContact& contact : contacts_) sum += contact.tool_work();
+  return sum;
+}
+
+double NonlinearStatics::contact_energy() const {
+  double sum = 0;
+  for (const ToolContactReport& report : contact_reports_) sum += report.stored;
+  return sum;
+}
+
+double NonlinearStatics::friction_energy() const {
+  double sum = 0;
+  for (const ToolContact& contact : contacts_) sum += contact.dissipated();
+  return sum;
+}
+
 StaticState NonlinearStatics::save() const {
   StaticState state = state_;
+  for (const ToolContact& contact : contacts_) {
+    const std::vector<double> numbers = contact.save();
+    state.contacts.insert(state.contacts.end(), numbers.begin(), numbers.end());
+  }
   state.points = body_->save();
   return state;
 }
@@ -265,8 +334,21 @@ void NonlinearStatics::load(const StaticState& state) {
     throw InputError(fmt::format("displacement: found {} numbers, expected {}; the state is that of another model",
                                  state.u.size(), state_.u.size()));
   body_->load(state.points);
+  std::size_t first = 0;
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    const std::size_t count = contacts_[c].save().size();
+    if (first + count > state.contacts.size())
+      throw InputError("contacts: found too few numbers; the state is that of another model");
+    contacts_[c].load({state.contacts.begin() + static_cast<std::ptrdiff_t>(first),
+                       state.contacts.begin() + static_cast<std::ptrdiff_t>(first + count)},
+                      state.u, state.factor);
+    Eigen::VectorXd ignored = Eigen::VectorXd::Zero(state.u.size());
+    contact_reports_[c] = contacts_[c].add_forces(state.u, state.factor, ignored);
+    first += count;
+  }
   state_ = state;
   state_.points = {};
+  state_.contacts.clear();
   state_.increment = std::min(state.increment, 1.0 / settings_.steps);
 }
 

@@ -20,14 +20,17 @@ struct StepReport {
   bool definite = true;  ///< was the last tangent positive definite? Where it is not, equilibrium may be unstable.
   bool symmetric = true; ///< false: the tangent is not, and its definiteness was not looked at
   PointsReport points;
+  std::vector<ToolContactReport> contacts;
 };
 
 /// The state of a converged step: all that a run needs to go on bit for bit.
 struct StaticState {
   double factor = 0, increment = 0; ///< λ reached; size of the next step
   double work = 0;                  ///< of the internal forces so far, force · length
+  double external = 0;              ///< of loads and supports
   Eigen::VectorXd u;                ///< (num_unknowns)
   PointHistory points;
+  std::vector<double> contacts; ///< ToolContact::save of one after the other
 };
 
 /// What holds the part, at a converged step.
@@ -53,6 +56,14 @@ class NonlinearStatics {
   const Eigen::VectorXd& displacement() const { return state_.u; }
   /// Work of the internal forces so far (trapezoidal rule over the steps), force · length.
   double internal_work() const { return state_.work; }
+  /// Of loads, supports and tools, likewise. What is not in the internal work is stored in or lost by contact.
+  double external_work() const;
+  double contact_energy() const;  ///< in the springs of contact, force · length
+  double friction_energy() const; ///< dissipated so far
+  const std::vector<ToolContact>& contacts() const { return contacts_; }
+  const std::vector<ToolContactReport>& contact_reports() const {
+    return contact_reports_;
+  } ///< of the last converged step
   const FiniteBody& body() const { return *body_; }
   const std::vector<LoadReport>& loads() const { return load_reports_; }
   const std::vector<RegionReport>& regions() const { return supports_.regions; }
@@ -71,7 +82,7 @@ class NonlinearStatics {
     double size = 0;     ///< of the forces that balance each other
     double rounding = 0; ///< what rounding leaves of r
     PointsReport points;
-    Eigen::VectorXd internal;
+    Eigen::VectorXd internal, external; ///< external: loads and supports
   };
   Residual residual(const Eigen::VectorXd& u, double factor) const;
   /// -∂r/∂u.
@@ -81,6 +92,8 @@ class NonlinearStatics {
  private:
   void add_loads(const NonlinearRun& run);
   void add_supports(const NonlinearRun& run);
+  void add_contacts(const NonlinearRun& run);
+  void need_held(const NonlinearRun& run) const;
   /// Newton's method at a fixed λ; false where it does not converge.
   /// @param search  along each step, else steps are whole as long as no point is crushed
   bool equilibrate(double factor, bool search, Eigen::VectorXd& u, StepReport& report,
@@ -96,6 +109,8 @@ class NonlinearStatics {
   SupportTerms supports_;
   Eigen::VectorXd dead_; ///< loads that keep direction and place
   std::vector<FollowerPressure> pressures_;
+  std::vector<ToolContact> contacts_;
+  std::vector<ToolContactReport> contact_reports_;
   std::vector<LoadReport> load_reports_;
   std::vector<Probe> probes_;
   std::vector<LocatedPoint> places_;

@@ -96,6 +96,15 @@ const char* const nonlinear_footer =
   [[probe]]
   name = "tip"
   position = [100, 5, 5]
+  [[rigid_bodies]]                         # a tool; the time of its drive is the load factor
+  name = "press"
+  shape = "plane"                          # also: sphere, cylinder, box, stl
+  normal = [0, 0, -1]
+  centre = [50, 5, 10]
+  drive = { z = [[0, 0], [1, -2]] }
+  [[contacts]]
+  bodies = ["part", "press"]
+  friction = 0.1                           # also: rough = true, first_regions, stiffness
   [nonlinear]
   steps = 10                               # cut where Newton's method needs it; results are kept at each
   tolerance = 1e-8                         # also: max_iterations, smallest_step

@@ -20,6 +20,7 @@
 #include "solver/report/model_notes.hpp"
 #include "solver/report/model_summary.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <fmt/chrono.h>
@@ -234,7 +235,7 @@ int run_nonlinear(const NonlinearCommand& command) {
   std::vector<StepReport> steps;
   const int signal = Run(run, statics, outputs, std::move(restart), progress).go(steps);
   watch.stage("load steps");
-  const std::vector<std::string> of_steps = step_warnings(run, steps);
+  const std::vector<std::string> of_steps = step_warnings(run, std::ranges::min(loaded.model.grid.span_size()), steps);
   warn(of_steps);
   add(of_steps);
   if (signal != 0) {
