@@ -12,7 +12,7 @@ if(TARGET igaprep-cad)
 endif()
 
 # Scripts. A link stands for iga, so that Python finds the package beside the script that the link leads to.
-install(PROGRAMS scripts/iga scripts/export_lsdyna.py scripts/plot.py scripts/render.py
+install(PROGRAMS scripts/iga scripts/export_lsdyna.py scripts/export_mesh.py scripts/plot.py scripts/render.py
         DESTINATION ${iga_data}/scripts COMPONENT programs)
 install(DIRECTORY scripts/igatools DESTINATION ${iga_data}/scripts COMPONENT programs PATTERN __pycache__ EXCLUDE)
 install(DIRECTORY schema DESTINATION ${iga_data} COMPONENT programs)

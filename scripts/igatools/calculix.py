@@ -5,6 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
+from igatools.fe_mesh import Mesh
+
 RIGID_MODES = 6
 POINTS_PER_TET = {4: 1, 10: 4}  # integration points of C3D4 and C3D10, stiffness
 
@@ -13,17 +15,42 @@ class CalculixError(Exception):
     """CalculiX did not deliver the frequencies."""
 
 
+# CalculiX reads 20 characters of a number: 12 digits, an exponent and signs fit.
+
+
+def held_lines(held):
+    """*BOUNDARY and *EQUATION of pairs (numbers of nodes, direction): a direction is "xyz" and the like, or a vector."""
+    lines = []
+    for numbers, direction in held:
+        if isinstance(direction, str):
+            lines.append("*BOUNDARY")
+            lines += [f"{n + 1}, {'xyz'.index(axis) + 1}, {'xyz'.index(axis) + 1}" for n in numbers for axis in direction]
+        else:
+            order = np.argsort(-np.abs(direction))
+            terms = [(d, direction[d]) for d in order if abs(direction[d]) > 1e-12]
+            for n in numbers:
+                lines += ["*EQUATION", str(len(terms)), ", ".join(f"{n + 1}, {d + 1}, {c:.12g}" for d, c in terms)]
+    return lines
+
+
+def deck(mesh, material, held):
+    """material: {"E", "nu"} and, for frequencies, "rho"."""
+    lines = ["*NODE, NSET=ALL", *(f"{k + 1}, " + ", ".join(f"{c:.12g}" for c in x) for k, x in enumerate(mesh.nodes)),
+             f"*ELEMENT, TYPE={mesh.kind}, ELSET=SOLID"]
+    for k, row in enumerate(mesh.elements):
+        words = [str(n + 1) for n in row]
+        lines += [", ".join([str(k + 1), *words[:10]]) + ("," if len(words) > 10 else ""), *([", ".join(words[10:])] if words[10:] else [])]
+    lines += ["*MATERIAL, NAME=M", "*ELASTIC", f"{material['E']:.12g}, {material['nu']:.12g}"]
+    if "rho" in material:
+        lines += ["*DENSITY", f"{material['rho']:.12g}"]
+    return [*lines, "*SOLID SECTION, ELSET=SOLID, MATERIAL=M", *held_lines(held)]
+
+
 def write_deck(path, nodes, tets, material, modes):
     """A *FREQUENCY run of a free body: `modes` elastic ones after the six rigid ones."""
-    numbers = np.arange(1, len(nodes) + 1)
-    with open(path, "w") as file:
-        file.write("*NODE, NSET=ALL\n")
-        np.savetxt(file, np.column_stack([numbers, nodes]), fmt="%d, %.12g, %.12g, %.12g")
-        file.write(f"*ELEMENT, TYPE=C3D{tets.shape[1]}, ELSET=SOLID\n")
-        np.savetxt(file, np.column_stack([np.arange(1, len(tets) + 1), tets + 1]), fmt="%d", delimiter=", ")
-        file.write(f"*MATERIAL, NAME=FOAM\n*ELASTIC\n{material['E']:.12g}, {material['nu']:.12g}\n"
-                   f"*DENSITY\n{material['rho']:.12g}\n*SOLID SECTION, ELSET=SOLID, MATERIAL=FOAM\n"
-                   f"*STEP\n*FREQUENCY, SOLVER=SPOOLES\n{RIGID_MODES + modes}\n*END STEP\n")
+    mesh = Mesh(nodes, tets, f"C3D{tets.shape[1]}")
+    lines = [*deck(mesh, material, ()), "*STEP", "*FREQUENCY, SOLVER=SPOOLES", str(RIGID_MODES + modes), "*END STEP", ""]
+    Path(path).write_text("\n".join(lines))
 
 
 def read_frequencies(path):
@@ -55,6 +82,23 @@ def solve(ccx, folder, name, nodes, tets, material, modes, run):
         raise CalculixError(f"{data}: sixth frequency {found[RIGID_MODES - 1]:.6g} is not rigid beside {elastic[0]:.6g}; "
                             "is the part one connected body?")
     return elastic, measured
+
+
+def read_fields(path, name, count):
+    """All fields of a name in a .frd file: a list of (count, components)."""
+    found, rows, reading = [], None, False
+    for line in path.read_text().splitlines():
+        if line.startswith(" -4"):
+            reading = line.split()[1] == name
+            if reading:
+                rows = {}
+        elif reading and line.startswith(" -1"):
+            values = line[13:]
+            rows[int(line[3:13])] = [float(values[k:k + 12]) for k in range(0, len(values.rstrip()), 12)]
+        elif reading and line.startswith(" -3"):
+            found.append(np.array([rows[n + 1] for n in range(count)]))
+            reading = False
+    return found
 
 
 # ------------------------------------------------------------------------------------------------------ explicit dynamics

@@ -109,12 +109,24 @@ class Surface:
         self.tree = cKDTree(np.concatenate(samples))
 
     def closest(self, points):
+        """Closest points (n, 3) of points (n, 3)."""
+        return self.nearest(points)[0]
+
+    def nearest(self, points):
+        """Closest points (n, 3) of points (n, 3), and the numbers (n) of the triangles that hold them."""
         count = min(CANDIDATES, self.tree.n)
         _, near = self.tree.query(points, k=count)
         near = self.owners[near.reshape(len(points), count)]
         found = np.stack([closest_on_triangles(points, self.triangles[near[:, k]]) for k in range(count)], 1)
         best = np.argmin(np.linalg.norm(found - points[:, None], axis=2), axis=1)
-        return found[np.arange(len(points)), best]
+        rows = np.arange(len(points))
+        return found[rows, best], near[rows, best]
+
+
+def shape_values(barycentric):
+    """Values (10) of the quadratic tetrahedron's shape functions at barycentric coordinates (4)."""
+    s = np.asarray(barycentric)
+    return np.concatenate([s * (2 * s - 1), [4 * s[a] * s[b] for a, b in EDGES]])
 
 
 def _shape_gradients(u):
@@ -163,6 +175,14 @@ def quadratic_tets(nodes, tets, surface=None):
         if len(bent) == 0:
             return placed, quadratic
         curved[bent] = middle[bent]
+
+
+def nodal_volumes(nodes, tets):
+    """Integrals of the shape functions of 10-node tetrahedra, added up at the nodes: (n)."""
+    total = np.zeros(len(nodes))
+    for u in GAUSS_POINTS:
+        np.add.at(total, tets, _jacobians(nodes, tets, u)[:, None] / 24 * shape_values([1 - sum(u), *u]))
+    return total
 
 
 def run_gmsh(gmsh, stl, size, folder, name, run):
