@@ -32,6 +32,29 @@ position = [20, 2, 2]
 [nonlinear]
 steps = 4
 """
+PRESS = """
+model = "beam.h5"
+material = { law = "neo-hookean", E = 200, nu = 0.3 }
+[[rigid_bodies]]
+name = "floor"
+shape = "plane"
+normal = [0, 0, 1]
+centre = [0, 0, 0]
+[[rigid_bodies]]
+name = "ball"
+shape = "sphere"
+radius = 12
+centre = [10, 2, 16]
+drive = { z = [[0, 0], [1, -0.2]], x = [[0, 0], [0.5, 0], [1, 0.1]] }
+[[contacts]]
+bodies = ["ball", "part"]
+friction = 0.3
+[[contacts]]
+bodies = ["part", "floor"]
+rough = true
+[nonlinear]
+steps = 4
+"""
 
 
 class Nonlinear(unittest.TestCase):
@@ -102,6 +125,29 @@ class Nonlinear(unittest.TestCase):
         self.solve("other.toml", "-o", "other.h5", "--force", code=4)
         (self.path / "other.toml").write_text(RUN.replace("-0.5]", "-0.6]"))
         self.assertIn("load[1].force", self.solve("other.toml", "-o", "other.h5", "--restart", code=2).stderr)
+
+    def test_contact(self):
+        (self.path / "press.toml").write_text(PRESS)
+        report = json.loads(self.solve("press.toml", "-o", "press.h5", "--json", "--force").stdout)
+        ball, floor = report["contacts"]
+        self.assertGreater(floor["force"][2], 0)
+        np.testing.assert_allclose(np.add(ball["force"], floor["force"]), 0, atol=1e-6 * floor["force"][2])
+        self.assertGreater(ball["area"], 0)
+        self.assertLess(ball["depth_in_spans"], 0.02)
+        results = iga_results.read(self.path / "press.h5")
+        on_ball = results["/time_series/contact/ball-part/force"]  # on the first-named
+        np.testing.assert_allclose(on_ball[-1], np.negative(ball["force"]))
+        np.testing.assert_allclose(results["/time_series/rigid/ball/force"], on_ball)
+        np.testing.assert_allclose(results["/time_series/rigid/ball/position"][-1], [10.1, 2, 15.8])
+        self.assertGreater(on_ball[-1, 2], on_ball[0, 2])
+        for word, change in (("free", lambda text: text.replace('name = "ball"', 'name = "ball"\nmotion = "free"\nmass = 1')),
+                             ("self", lambda text: text.replace('bodies = ["ball", "part"]', 'self = "part"')),
+                             ("rough", lambda text: text.replace("friction = 0.3", "friction = 0.3\nrough = true")),
+                             ("damping", lambda text: text.replace("friction = 0.3", "damping = 0.3")),
+                             ("nor do the tools", lambda text: text.replace("rough = true", "friction = 0").replace("0.3", "0")),
+                             ("deep", lambda text: text.replace("centre = [10, 2, 16]", "centre = [10, 2, 12]"))):
+            (self.path / "wrong.toml").write_text(change(PRESS))
+            self.assertIn(word, self.solve("wrong.toml", code=2).stderr)
 
     def test_mistakes(self):
         self.refused(lambda text: text.replace("steps = 4", "step = 4"), "wrong.toml:16", "steps")

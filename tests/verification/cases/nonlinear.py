@@ -150,3 +150,65 @@ def rubber_sphere(run, span):
         "nonlinear": {"steps": 4}})
     return {"u of the bore": float(along @ probe(report, "bore")["displacement"]),
             "u outside": float(along @ probe(report, "outside")["displacement"])}
+
+
+# A cylinder between two rigid plates that do not hold it across: a quarter of it, plane strain.
+
+ROLL_RADIUS, ROLL_E, ROLL_NU, APPROACH = 10.0, 200.0, 0.3, 0.2  # mm, MPa; of each plate towards the axis
+ROLL_STIFF = ROLL_E / (1 - ROLL_NU**2)
+
+
+def roll_force():
+    """Line force P of the approach P / (π E*) (2 ln(4 R / b) - 1), b² = 4 P R / (π E*)."""
+    half_width = lambda P: np.sqrt(4 * P * ROLL_RADIUS / (np.pi * ROLL_STIFF))  # noqa: E731
+    approach = lambda P: P / (np.pi * ROLL_STIFF) * (2 * np.log(4 * ROLL_RADIUS / half_width(P)) - 1)  # noqa: E731
+    return brentq(lambda P: approach(P) - APPROACH, 1e-3, 1e3)
+
+
+def quarter_roll(facets):
+    """x, z >= 0, y = 0 … 1; facets on its round side."""
+    t = np.linspace(0, np.pi / 2, facets + 1)
+    low = np.round(ROLL_RADIUS * np.column_stack([np.sin(t), np.zeros_like(t), np.cos(t)]), 12) + 0.0
+    high, middle, above = low + [0, 1, 0], np.zeros(3), np.array([0.0, 1.0, 0.0])
+    a, b, c, d = low[:-1], low[1:], high[1:], high[:-1]
+    m, n = np.broadcast_to(middle, a.shape), np.broadcast_to(above, a.shape)
+    return np.concatenate([np.stack([m, a, b], 1), np.stack([n, c, d], 1), np.stack([a, c, b], 1), np.stack([a, d, c], 1),
+                           [[middle, high[0], low[0]], [middle, above, high[0]], [middle, low[-1], high[-1]], [middle, high[-1], above]]])
+
+
+@case(id="hertz_cylinder", title="Elastic cylinder pressed by a rigid plate",
+      geometry="Quarter of a cylinder, radius 10 mm, plane strain, between planes of symmetry; a plane without friction comes down by 0.2 mm",
+      material="E = 200 MPa, ν = 0.3, linear elastic",
+      source="Hertz; approach of a plate and the axis after Johnson, Contact Mechanics (1985), 5.6: P / (π E*) (2 ln(4 R / b) − 1), b = 1.14 mm",
+      unit="N/mm", exact=roll_force, grids=(1.0, 0.7, 0.5), tolerance=0.01,
+      notes="At the coarse grid the half-width of contact is one span. Exact for b ≪ R; here b/R = 0.11.")
+def hertz_cylinder(run, span):
+    run.model(quarter_roll(100), (span, 1, span))
+    report = run.solve("nonlinear", {
+        "material": {"law": "linear-elastic", "E": ROLL_E, "nu": ROLL_NU},
+        "support": [plane("x", "normal", [0, 0, 0], [1, 0, 0]), plane("y", "normal", [0, 0, 0], [0, 1, 0]),
+                    plane("far", "normal", [0, 1, 0], [0, 1, 0]), plane("z", "normal", [0, 0, 0], [0, 0, 1])],
+        "rigid_bodies": [{"name": "plate", "shape": "plane", "normal": [0, 0, -1], "centre": [0, 0, ROLL_RADIUS],
+                          "drive": {"z": [[0, 0], [1, -APPROACH]]}}],
+        "contacts": [{"bodies": ["part", "plate"]}], "nonlinear": {"steps": 1}})
+    return -2 * report["contacts"][0]["force"][2]
+
+
+# A block that one plate presses on a floor and pulls along it.
+
+@case(id="pulled_block", title="Rubber block pressed on a floor and pulled along it", quick=True,
+      geometry="Block 10 × 10 × 5 mm on a fixed plane; a plate to which it sticks comes down by 0.5 mm, then moves 1.5 mm sideways",
+      material="E = 3 MPa, ν = 0, neo-Hookean, μ = 0.2", source="Coulomb: the pull is μ times the normal force",
+      unit={"pull / normal force": "1", "sideways / all loads": "1"}, exact={"pull / normal force": 0.2, "sideways / all loads": 1.0},
+      grids=(5.0, 3.5, 2.5), tolerance=1e-3, notes="The second number is the plate's force over the floor's: equilibrium without supports.")
+def pulled_block(run, span):
+    run.model(parts.box((0, 0, 0), (10, 10, 5)), span)
+    report = run.solve("nonlinear", {
+        "material": {"law": "neo-hookean", "E": RUBBER_E, "nu": 0.0},
+        "rigid_bodies": [{"name": "floor", "shape": "plane", "normal": [0, 0, 1], "centre": [0, 0, 0]},
+                         {"name": "plate", "shape": "plane", "normal": [0, 0, -1], "centre": [0, 0, 5],
+                          "drive": {"z": [[0, 0], [0.25, -0.5]], "x": [[0.25, 0], [1, 1.5]]}}],
+        "contacts": [{"name": "floor", "bodies": ["part", "floor"], "friction": 0.2},
+                     {"name": "plate", "bodies": ["part", "plate"], "rough": True}], "nonlinear": {"steps": 8}})
+    floor, plate = (contact["force"] for contact in report["contacts"])
+    return {"pull / normal force": -floor[0] / floor[2], "sideways / all loads": -plate[0] / floor[0]}
