@@ -7,9 +7,9 @@
 run.toml is the run file of `igasolve explicit`; part.h5, if given, stands for the model of its only body. Exported are
 bodies with materials linear-elastic, j2 (cowper-symonds), crushable-foam, their place, velocity and spin,
 light_functions none and linear, rigid bodies of all shapes and motions, contacts with friction and regions,
-self-contact, gravity, [time] end, safety, dt_max, [output] interval and field_interval. What the deck leaves out or
-holds otherwise is listed at its top and on the screen; what it cannot hold is refused. LS-DYNA itself has not run these
-decks: schema/README.md, section LS-DYNA, says what was checked.
+self-contact, gravity, dead loads on regions and volumes, [time] end, safety, dt_max, [output] interval and
+field_interval. What the deck leaves out or holds otherwise is listed at its top and on the screen; what it cannot hold
+is refused. LS-DYNA itself has not run these decks: schema/README.md, section LS-DYNA, says what was checked.
 
 Exit codes: 0 done, 2 run file or options, 3 a model file.
 """

@@ -263,6 +263,33 @@ damping = 0.1''',
         _, _, mass = deck.system()
         self.assertAlmostEqual(mass.sum() / 6e-8, 3.3 * 2.1 * 2.1, delta=1e-9)
 
+    def test_loads(self):
+        """Nodal forces have the resultants and moments of the loads, in a placed body too."""
+        name = iga_model.read(self.one).texts("/surface/regions")[0]
+        loads = f'''[[loads]]
+pressure = 0.2
+region = "{name}"
+factor = [[0, 0], [1, 1]]
+[[loads]]
+force = [1, 2, 3]
+whole_surface = true
+[[loads]]
+acceleration = [0, 0, -2]'''
+        place = "place = { shift = [10, 0, 0], degrees = 90, axis = [0, 0, 1] }"
+        deck = self.export(run_text(self.one, more=loads, body=place))
+        title = cards.heading(f"part: surface; region {name}")
+        part = next(number for number, part in deck.parts.items() if part.cards[0][0] == title)
+        corners = deck.shell_triangles(part)[:, :3]
+        twice = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        force = -0.2 * twice.sum(0) / 2
+        moment = -0.2 * np.cross(corners.mean(1), twice / 2).sum(0)
+        np.testing.assert_allclose(deck.resultant(1), [force, moment], atol=1e-5)
+        np.testing.assert_allclose(deck.curves[1][:2], [[0, 0], [1, 1]])
+        centre = np.array([10 - 1.25, 1.95, 1.35])
+        np.testing.assert_allclose(deck.resultant(2), [[1, 2, 3], np.cross(centre, [1, 2, 3])], atol=1e-5)
+        weight = np.array([0, 0, -2 * 0.5 * 3.3 * 2.1 * 2.1])
+        np.testing.assert_allclose(deck.resultant(3), [weight, np.cross(centre, weight)], atol=1e-5)
+
     def test_metal_and_a_press(self):
         deck = self.export(
             run_text(
@@ -320,7 +347,8 @@ bodies = ["press", "part"]''',
         for text, expected in [
             (base.replace('"linear-elastic"', '"neo-hookean"'), "law 'neo-hookean'"),
             (base.replace("rho = 0.5", "rho = 0.5\nC = [1]"), "material key 'C'"),
-            (base + "[[loads]]\npressure = 1", "loads"),
+            (base + "[[loads]]\npressure = 1", "expected region or whole_surface"),
+            (base + "[[loads]]\nbearing = [1, 0, 0]", "[loads] bearing"),
             (base + "[[supports]]\nfixed = 'x'", "supports"),
             (run_text(self.one, body='mass = "two-pass"'), "two-pass"),
             (run_text(self.one, body="damping = 1"), "damping"),

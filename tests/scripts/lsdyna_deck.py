@@ -53,6 +53,7 @@ REPEATED = {
     "NODE": ([8, 16, 16, 16, 8, 8], "ifffii"),
     "ELEMENT_SHELL": ([8] * 6, "iiiiii"),
     "INITIAL_VELOCITY_NODE": (TEN, "ifff"),
+    "LOAD_NODE_POINT": (TEN, "iiif"),
 }
 
 
@@ -78,7 +79,7 @@ class Deck:
     def __init__(self, path):
         self.nodes, self.forms, self.solids, self.shells, self.interpolations = {}, {}, {}, {}, {}
         self.parts, self.sections, self.materials, self.curves, self.sets, self.velocities = {}, {}, {}, {}, {}, {}
-        self.cards, self.remarks = {}, []
+        self.cards, self.remarks, self.loads = {}, [], []
         blocks = []
         for line in path.read_text().splitlines():
             if len(line) > 80:
@@ -105,6 +106,8 @@ class Deck:
             for row in rows:
                 if keyword == "NODE":
                     self._add(self.nodes, row[0], (np.array(row[1:4]), row[4] or 0, row[5] or 0), "node")
+                elif keyword == "LOAD_NODE_POINT":
+                    self.loads.append(row)
                 elif keyword == "ELEMENT_SHELL":
                     self._element(self.shells, row[0], (row[1], row[2:]))
                 else:
@@ -202,6 +205,15 @@ class Deck:
                     cards[1][k] in self.sets and cards[1][2 + k] == 2 for k in range(kinds)
                 ), "part sets of contacts"
         assert all(p in self.parts for parts in self.sets.values() for p in parts)
+
+    def resultant(self, curve):
+        """Force and moment about the origin of the nodal forces that follow a curve."""
+        force = {}
+        for node, direction, number, value in self.loads:
+            assert node in self.nodes and number in self.curves and direction in (1, 2, 3)
+            if number == curve:
+                force.setdefault(node, np.zeros(3))[direction - 1] += value
+        return sum(force.values()), sum(np.cross(self.nodes[node][0], f) for node, f in force.items())
 
     def elements(self):
         """(material cards, nodes, dV (q), N (q, n), dN/dx (q, n, 3)) of every generalized solid, from its nodes'

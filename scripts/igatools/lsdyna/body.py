@@ -64,6 +64,7 @@ class Body:
         own = np.zeros(len(self.is_node))
         for block, functions, N in model.shape_functions():
             np.add.at(own, functions.ravel(), (N * model["/quadrature/weights"][block, None]).ravel())
+        self.density = density
         self.masses = density * (self.extension.T @ own)[seen]
         if (self.masses <= 0).any():
             raise DeckError(
@@ -155,6 +156,26 @@ class Body:
             centre = (self.masses @ self.positions) / self.masses.sum()
         v = np.asarray(velocity) + np.cross(np.broadcast_to(spin, self.positions.shape), self.positions - centre)
         self.deck.keyword("INITIAL_VELOCITY_NODE", *(card(int(n), *map(float, row)) for n, row in zip(self.numbers, v)))
+
+    def surface_forces(self, regions, traction):
+        """Forces at the nodes (n, 3) of a traction on regions (numbers): function(normals in space (q, 3)) -> (q, 3);
+        and the area."""
+        model, group = self.model, "/surface/quadrature"
+        w, normals = model[group + "/weights"], model[group + "/normals"] @ self.place.rotation.T
+        w = np.where(np.isin(model["/surface/region"][model[group + "/triangle"]], regions), w, 0)
+        total = np.zeros((len(self.is_node), 3))
+        for block, functions, N in model.shape_functions(group):
+            held = np.flatnonzero(w[block])
+            t = traction(normals[block][held]) * w[block][held, None]
+            np.add.at(total, functions[held], N[held][:, :, None] * t[:, None, :])
+        return (self.extension.T @ total)[self.is_node], float(w.sum())
+
+    def write_forces(self, forces, curve):
+        """Forces at the nodes (n, 3) that keep their directions, times a curve."""
+        least = 1e-12 * np.abs(forces).max()
+        places = np.argwhere(np.abs(forces) > least)
+        lines = (card(int(self.numbers[k]), int(d) + 1, curve, float(forces[k, d])) for k, d in places)
+        self.deck.keyword("LOAD_NODE_POINT", *lines)
 
     def write_skin(self, edge_length, material, thickness):
         """Null shells over interpolation nodes; parts by the names of the surface's regions."""

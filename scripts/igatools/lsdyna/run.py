@@ -9,7 +9,7 @@ from igatools.lsdyna.cards import DeckError
 
 # Keys that the deck holds; those of LEFT_OUT are named in the deck, all others refused.
 KEYS = {
-    "": {"units", "unit_system", "gravity", "bodies", "rigid_bodies", "contacts", "time", "output"},
+    "": {"units", "unit_system", "gravity", "bodies", "rigid_bodies", "contacts", "loads", "time", "output"},
     "bodies": {
         "model",
         "name",
@@ -55,6 +55,19 @@ KEYS = {
         "first_regions",
         "second_regions",
     },
+    "loads": {
+        "name",
+        "body",
+        "region",
+        "whole_surface",
+        "factor",
+        "smooth",
+        "traction",
+        "pressure",
+        "force",
+        "body_force",
+        "acceleration",
+    },
     "time": {"end", "safety", "dt_max"},
     "output": {"interval", "field_interval"},
 }
@@ -63,6 +76,7 @@ LEFT_OUT = {
     "bodies": {"damping": None, "erosion_volume_ratio": None},
     "rigid_bodies": {},
     "contacts": {"stiffness": "the contact card has LS-DYNA's own stiffness, SOFT 1", "edges": "edges of surfaces"},
+    "loads": {"follows": None},
     "time": {
         "start_share": "first steps",
         "dt_min": "smallest step",
@@ -79,7 +93,6 @@ LEFT_OUT = {
     },
 }
 HINTS = {
-    "loads": "loads on surfaces are not exported; add *LOAD cards by hand to a deck without them",
     "supports": "springs of supports are not exported; rigid bodies and contacts hold a body in the deck",
     "ties": "ties are not exported",
     "model": "this is not a run file of igasolve explicit, which has [[bodies]] and [time]",
@@ -101,7 +114,7 @@ class Run:
         self._check("", self.table)
         for section in ("time", "output"):
             self._check(section, self.table.get(section, {}))
-        for section in ("bodies", "rigid_bodies", "contacts"):
+        for section in ("bodies", "rigid_bodies", "contacts", "loads"):
             for entry in self.table.get(section, []):
                 self._check(section, entry)
         if not self.table.get("bodies") or "end" not in self.table.get("time", {}):

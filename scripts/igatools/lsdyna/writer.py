@@ -59,6 +59,8 @@ class Writer:
         self.bodies = [self._body(table, model) for table, model in zip(tables, models)]
         self._tools_and_contacts()
         self._gravity()
+        for number, load in enumerate(self.run.table.get("loads", []), 1):
+            self._load(load, f"load '{load.get('name', number)}'")
         self._control()
         remarks = [piece for line in self._header() for piece in comment_lines(line)]
         title = heading(models[0].attribute("/", "title") or run.path.name)
@@ -185,6 +187,48 @@ class Writer:
             for axis, value in zip("XYZ", g):
                 if value:  # the card gives the frame an acceleration: bodies feel the opposite
                     self.deck.keyword(f"LOAD_BODY_{axis}", card(number, -value))
+
+    def _load(self, load, what):
+        bodies = {body.name: body for body in self.bodies}
+        name = load.get("body", self.bodies[0].name if len(bodies) == 1 else None)
+        if name not in bodies:
+            raise DeckError(f"{self.run.path}: {what}: body {name!r}: expected one of {', '.join(bodies)}")
+        body = bodies[name]
+        kinds = [kind for kind in ("traction", "pressure", "force", "body_force", "acceleration") if kind in load]
+        if len(kinds) != 1:
+            raise DeckError(
+                f"{self.run.path}: {what}: expected one of traction, pressure, force, body_force, acceleration"
+            )
+        value = np.array(load[kinds[0]], float)
+        if kinds[0] in ("body_force", "acceleration"):
+            forces = body.masses[:, None] * (value if kinds[0] == "acceleration" else value / body.density)
+        else:
+            regions = self._regions(body, load, what)
+            if kinds[0] == "pressure":
+                forces, area = body.surface_forces(regions, lambda normals: -value * normals)
+            else:
+                forces, area = body.surface_forces(regions, lambda normals: np.broadcast_to(value, normals.shape))
+            if body.model.attributes["/quadrature"].get("surface_rule") in ("reduced", b"reduced"):
+                self.notes.append(f"{what}: points of the reduced surface rule, exact for resultants on flat facets alone")
+            if not area > 0:
+                raise DeckError(f"{self.run.path}: {what}: its regions have no area")
+            forces = forces / area if kinds[0] == "force" else forces
+        if np.any(forces):
+            curve = self.run.curve(load.get("factor", 1.0), load.get("smooth", False))
+            body.write_forces(forces, self.deck.curve(curve, f"{what}: factor"))
+
+    def _regions(self, body, load, what):
+        """Numbers of the regions of the body's surface that a load acts on."""
+        names = body.model.texts("/surface/regions")
+        if "region" not in load:
+            if not load.get("whole_surface"):
+                raise DeckError(f"{self.run.path}: {what}: expected region or whole_surface = true")
+            return list(range(len(names)))
+        given = load["region"] if isinstance(load["region"], list) else [load["region"]]
+        found = [r for r, name in enumerate(names) if name in given or r in given]
+        if len(found) < len(given):
+            raise DeckError(f"{self.run.path}: {what}: region {given}: {body.name} has {', '.join(names)}")
+        return found
 
     def _control(self):
         deck, time, output = self.deck, self.run.table["time"], self.run.table.get("output", {})
