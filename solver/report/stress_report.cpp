@@ -350,7 +350,7 @@ std::vector<ResultTable> line_tables(const StressReport& report, const std::stri
     for (std::size_t end = 0; end < 2; ++end) {
       ends.values.push_back(end == 0 ? 0 : l.points.length);
       append(ends, entries(l.linear.membrane));
-      append(ends, entries(end == 0 ? l.linear.bending : -l.linear.bending));
+      append(ends, entries(end == 0 ? l.linear.bending : Voigt(Voigt::Zero() - l.linear.bending)));
       append(ends, entries(l.linear.peak[end]));
       append(ends, std::array{l.linear.von_mises_membrane, l.linear.von_mises_linear[end],
                               l.linear.von_mises_total[end], l.linear.error});

@@ -38,7 +38,7 @@ class StressRecovery {
   explicit StressRecovery(RecoveryProblem problem);
 
   /// Fits are kept: cells that were asked for before cost nothing but the evaluation. Parallel; the same bits for any
-  /// number of threads and any order of calls.
+  /// number of threads.
   RecoveredStress at(const SamplePoints& points);
 
  private:
