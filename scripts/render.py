@@ -14,6 +14,8 @@ Of results (igasolve eigen part.h5 … -o modes.h5, igasolve static …):
   <static>_static.png   the deformed part, or several bodies; <static>_safety_factor.png and <static>_von_mises_error.png with
                         --colour of that name (load cases: <static>_case_<n>…)
   <explicit>_frames.png six times of an explicit run, cut in half, in their true places (--whole: not cut)
+  <a>_minus_<b>.png     with --minus b.h5: where and by how much the displacements of two files differ (statics, and with --mode modes),
+                        such as igasolve's and Kratos' (scripts/solve_kratos.py), or of two grids
 
 Of a run file (scripts/render.py --choices run.toml; igasolve static and eigen):
   <run>_choices.png     the part from both sides, the surface that each support and load has chosen in a colour
@@ -29,6 +31,8 @@ import os
 import shutil
 import sys
 from pathlib import Path
+
+RESULTS = ("iga-trimmed-solid-results", b"iga-trimmed-solid-results")
 
 
 def parse_arguments():
@@ -50,6 +54,7 @@ def parse_arguments():
     results.add_argument("--whole", action="store_true", help="explicit runs: do not cut the bodies in half")
     results.add_argument("--scale", type=float, help="factor on displacements (default: chosen for each picture)")
     results.add_argument("--mode", type=int, nargs="+", default=[], metavar="N", help="draw these modes, one picture each")
+    results.add_argument("--minus", type=Path, metavar="OTHER.h5", help="draw the difference to another results file")
     results.add_argument("--sight", type=float, nargs=3, metavar=("X", "Y", "Z"), default=(0.62, 1.0, -0.62),
                          help="direction of sight (default: 0.62 1 -0.62)")
     arguments = parser.parse_args()
@@ -92,7 +97,14 @@ def main():
     if arguments.pieces:
         from igatools import render_pieces
         render_pieces.draw(arguments, output if is_picture else folder / f"{arguments.file.stem}_pieces.png")
-    elif format_name in ("iga-trimmed-solid-results", b"iga-trimmed-solid-results"):
+    elif arguments.minus:
+        if not arguments.minus.is_file():
+            sys.exit(f"render.py: {arguments.minus}: no such file")
+        if format_name not in RESULTS:
+            sys.exit(f"render.py: {arguments.file}: no results file, which --minus needs")
+        from igatools import render_difference
+        render_difference.draw(arguments, folder)
+    elif format_name in RESULTS:
         with h5py.File(arguments.file) as file:
             explicit = "time_series" in file
         if explicit:

@@ -39,12 +39,16 @@ def half_spaces(table):
 
 def chosen_polygons(table, vertices, triangles, region, names, snap):
     """Polygons (k × 3) of a choice of surface."""
+    return [polygon for _, polygon, _ in chosen_pieces(table, vertices, triangles, region, names, snap)]
+
+
+def chosen_pieces(table, vertices, triangles, region, names, snap):
+    """Of a choice of surface, triangle by triangle: its number, the polygon (k × 3) of it that is chosen, whether that is all of it."""
     wanted = None
     if "region" in table:
         given = table["region"] if isinstance(table["region"], list) else [table["region"]]
         wanted = {r for r, name in enumerate(names) if name in given or r in given}
     sides = half_spaces(table)
-    polygons = []
     for t, corners in enumerate(vertices[triangles]):
         if wanted is not None and region[t] not in wanted:
             continue
@@ -59,8 +63,7 @@ def chosen_polygons(table, vertices, triangles, region, names, snap):
             if len(polygon) < 3:
                 break
         if len(polygon) >= 3:
-            polygons.append(polygon)
-    return polygons
+            yield t, polygon, polygon is corners
 
 
 def snap_length(model):

@@ -156,7 +156,14 @@ class BandCholesky:
 
 
 def lowest(K, M, modes, scale):
-    """The rigid modes and the first `modes` elastic ones: eigenvalues (ascending), how many are rigid, largest residual.
+    """Eigenvalues, how many are rigid, largest residual: lowest_pairs() without the vectors."""
+    values, _, rigid, residuals = lowest_pairs(K, M, modes, scale)
+    return values, rigid, float(residuals[rigid:].max())
+
+
+def lowest_pairs(K, M, modes, scale):
+    """The rigid modes and the first `modes` elastic ones: eigenvalues (ascending) and vectors (unknowns, n), how many are rigid,
+    residuals |K x - l M x| / (l |M x|) in the scaled pencil (n), those of rigid modes over `scale` for l.
 
     `scale` is an eigenvalue's order of magnitude: (pi c / L)^2. The pencil is scaled by D = diag(M)^(-1/2), which takes the
     size of light functions out of it, and K - shift M is factored with shift = -scale / 10. A single start vector can miss
@@ -190,11 +197,12 @@ def lowest(K, M, modes, scale):
     values, vectors = all_values[:wanted], vectors[:, :wanted]
     mass = M @ vectors
     residuals = np.linalg.norm(K @ vectors - mass * values, axis=0) / np.linalg.norm(mass, axis=0)
-    worst = float((residuals[rigid:] / values[rigid:]).max())
+    residuals /= np.where(np.arange(wanted) < rigid, scale, values)
+    worst = float(residuals[rigid:].max())
     if worst > CONVERGED:
         raise NumericalError(f"an eigenpair has the residual {worst:.1e}, expected {CONVERGED:.0e}: the model is badly "
                              "conditioned; use igasolve's --light-functions")
-    return values, rigid, worst
+    return values, D @ vectors, rigid, residuals
 
 
 def _quotients(K, M, vectors):

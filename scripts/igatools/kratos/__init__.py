@@ -1,0 +1,1 @@
+"""Kratos Multiphysics on a model of igaprep: scripts/solve_kratos.py."""
