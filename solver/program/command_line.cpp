@@ -13,7 +13,8 @@ namespace {
 
 const char* const footer = R"(Examples:
   igasolve info part.h5                                  what a model file holds
-  igasolve check part.h5                                 everything that is wrong with a model file
+  igasolve check part.h5                                 everything that is wrong with a model file, and a table
+  igasolve check part.h5 static.h5                       and whether the results belong to it
   igasolve eigen part.h5 --E 210 --nu 0.3 --rho 7.8e-6 --modes 10 -o modes.h5
   igasolve eigen part.h5 --material steel --modes 10      the same; the model's length unit must be mm or m
   igasolve eigen part.h5 --E 210 --nu 0.3 --rho 7.8e-6 --largest --mass lumped
@@ -114,7 +115,7 @@ bent_fields/ and, for ParaView, bent.pvd. Ctrl-C, and a run that finds no equili
 bent_restart.h5: the same command with --restart goes on; [nonlinear] and [results] may change.)";
 
 struct Raw {
-  std::string file;
+  std::string file, results;
   bool json = false, quiet = false;
 };
 
@@ -265,6 +266,8 @@ std::optional<Command> parse_command_line(int argc, const char* const* argv) {
   app.footer(footer);
   CLI::App* info = add_model_command(app, "info", "Print what a model file holds", raw);
   CLI::App* check = add_model_command(app, "check", "Validate a model file and print what is wrong", raw);
+  check->add_option("results", raw.results, "Results file: does it belong to the model?");
+  check->footer("Example:\n  igasolve check part.h5\n  igasolve check part.h5 static.h5");
   CLI::App* eigen =
       add_analysis(app, "eigen", "Eigenfrequencies and modes, or the largest eigenfrequency", raw, analysis);
   add_mass(*eigen, analysis.typed, "consistent; lumped with --largest");
@@ -328,7 +331,7 @@ std::optional<Command> parse_command_line(int argc, const char* const* argv) {
   }
   const ReportStyle style = raw.json ? ReportStyle::Json : raw.quiet ? ReportStyle::Quiet : ReportStyle::Text;
   if (*info) return InfoCommand{{raw.file, style}};
-  if (*check) return CheckCommand{{raw.file, style}};
+  if (*check) return CheckCommand{{raw.file, style}, raw.results};
   if (*export_app) {
     tables.style = style;
     tables.file = raw.file;

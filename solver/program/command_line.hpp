@@ -12,7 +12,6 @@
 namespace iga::solve {
 
 struct InfoCommand : ModelCommand {};
-struct CheckCommand : ModelCommand {};
 using Command =
     std::variant<InfoCommand, CheckCommand, ExportCommand, AnalysisCommand, ExplicitCommand, NonlinearCommand>;
 

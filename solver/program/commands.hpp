@@ -15,6 +15,10 @@ struct ModelCommand {
   ReportStyle style = ReportStyle::Text;
 };
 
+struct CheckCommand : ModelCommand {
+  std::filesystem::path results; ///< empty: the model alone
+};
+
 struct ExportCommand {
   std::filesystem::path file;       ///< results or model
   std::filesystem::path output;     ///< folder, or a file that ends with .csv; empty: FILE_csv beside the file
@@ -29,9 +33,9 @@ int run_export(const ExportCommand& command);
 /// Prints what a sound model file holds. @throws InputError, FormatError
 int run_info(const ModelCommand& command);
 
-/// Prints every problem of a model file, or that there is none; exit_format where there are problems. @throws
-/// InputError
-int run_check(const ModelCommand& command);
+/// Prints every problem of a model file and a table of what was measured; of results whether they belong to the model.
+/// exit_format where there are problems. @throws InputError
+int run_check(const CheckCommand& command);
 
 /// Runs eigen, timestep or static: reads the model, analyses, writes the results file, prints the report.
 /// @throws InputError, FormatError, NumericalError

@@ -8,6 +8,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
+import h5py
 import numpy as np
 
 SOURCE, WRITER, IGASOLVE = (Path(argument) for argument in sys.argv[1:4])
@@ -97,6 +98,27 @@ class SchemaTest(SchemaCases, unittest.TestCase):
         self.assertIn("outside the surface", text)
 
 
+    def test_a_misplaced_point_is_found_by_the_moments_alone(self):
+        """Two weights of one cell exchanged, a point moved inside its span and the solid: every other promise holds."""
+        def exchange(file):
+            first, last = file["/quadrature/offsets"][:2]
+            w = file["/quadrature/weights"][first:last]
+            w[[w.argmin(), w.argmax()]] = w[[w.argmax(), w.argmin()]]
+            self.assertGreater(np.ptp(w), 0)
+            file["/quadrature/weights"][first:last] = w
+
+        def move(file):
+            first, last = file["/quadrature/offsets"][:2]
+            u = file["/quadrature/parameters"][first:last]
+            file["/quadrature/parameters"][first] = u.mean(0)
+        for change in (exchange, move):
+            code, text = self.check(self.changed(change))
+            self.assertEqual(code, 3, text)
+            self.assertEqual([line for line in text.splitlines() if line.startswith("FAIL")],
+                             [line for line in text.splitlines() if "moments" in line and line.startswith("FAIL")])
+            self.assertIn("FAIL", text)
+
+
 class CommandTest(unittest.TestCase):
     """igasolve's exit codes and reports."""
 
@@ -127,7 +149,12 @@ class CommandTest(unittest.TestCase):
     def test_check(self):
         code, text, errors = self.run_command("check", self.path / "box.h5", "--json")
         self.assertEqual((code, errors), (0, ""))
-        self.assertTrue(json.loads(text)["sound"])
+        report = json.loads(text)
+        self.assertTrue(report["sound"])
+        self.assertEqual(len(report["figures"]), 12)
+        for row in report["figures"]:
+            self.assertTrue(row["pass"] and 0 <= row["found"] <= row["allowed"], row)
+            self.assertLess(row["found"], 1e-13, row)
         broken = self.path / "broken.h5"
         broken.write_bytes((self.path / "box.h5").read_bytes()[:5000])
         for command in ("check", "info"):
@@ -137,6 +164,30 @@ class CommandTest(unittest.TestCase):
         code, text, _ = self.run_command("check", broken, "--json")
         self.assertEqual(code, 3)
         self.assertFalse(json.loads(text)["sound"])
+
+    def test_results_of_a_model(self):
+        results = self.path / "timestep.h5"
+        run = self.path / "run.toml"
+        run.write_text(f'model = "{self.path / "box.h5"}"\nlight_functions = "degree-p"\n'
+                       '[material]\nE = 210\nnu = 0.3\nrho = 7.8e-6\n'
+                       '[[support]]\nname = "foot"\nfixed = "xyz"\nregion = "u-"\nmethod = "penalty"\n'
+                       '[[load]]\nname = "pull"\nforce = [1, 2, 3]\nregion = "u+"\n')
+        code, _, errors = self.run_command("static", run, "-o", results, "--quiet", "--no-viewer", "--force")
+        self.assertEqual(code, 0, errors)
+        code, text, errors = self.run_command("check", self.path / "box.h5", results)
+        self.assertEqual((code, errors), (0, ""), text)
+        self.assertEqual(text.count("pass"), 17)
+        code, text, errors = self.run_command("check", self.path / "rotated.h5", results)
+        self.assertEqual(code, 3)
+        self.assertIn("another model", errors)
+        with h5py.File(results, "r+") as file:
+            file["/static/points/displacement"][3, 1] += 1e-6 * np.abs(file["/static/displacement"]).max()
+        code, text, errors = self.run_command("check", self.path / "box.h5", results)
+        self.assertEqual(code, 3)
+        self.assertIn("displacement at the points", errors)
+        code, text, errors = self.run_command("check", self.path / "box.h5", self.path / "rotated.h5")
+        self.assertEqual(code, 3)
+        self.assertIn("is no results file", errors)
 
     def test_usage(self):
         self.assertEqual(self.run_command("info", "missing.h5")[0], 2)
