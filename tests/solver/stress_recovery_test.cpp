@@ -11,6 +11,7 @@
 #include <Eigen/Cholesky>
 #include <functional>
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 using namespace iga;
 using namespace iga::solve;
@@ -260,7 +261,8 @@ TEST(StressRecovery, IsExactUnderTemperatureAndRotation) {
   }
 }
 
-// What is asked for first, and how often, changes no more than the rounding of a sum.
+// To the bit with any number of threads; what is asked for first, and how often, changes no more than the rounding of a
+// sum.
 TEST(StressRecovery, FitsAreTheSameInAnyOrder) {
   const TrimmedModel model = make_part(box({-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}), {2, 0.4, 0.3, 0, rotation(20, 15)});
   const SolutionSpace space(model, usual());
@@ -268,6 +270,12 @@ TEST(StressRecovery, FitsAreTheSameInAnyOrder) {
   const SamplePoints points = surface_points(model);
   const RecoveryProblem problem = problem_of(space, material, coefficients_of(space, field), {});
   const RecoveredStress all = StressRecovery(problem).at(points);
+  {
+    const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+    const RecoveredStress alone = StressRecovery(problem).at(points);
+    EXPECT_EQ(alone.stress, all.stress);
+    EXPECT_EQ(alone.error, all.error);
+  }
   StressRecovery piecewise(problem);
   const std::size_t n = points.cell.size();
   for (const std::size_t k : {n - 1, n / 2, std::size_t{0}, n / 2}) {
