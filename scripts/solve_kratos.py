@@ -16,6 +16,7 @@ A key that Kratos cannot follow is refused with its line. Nothing is done about 
 --light-functions none to get the same numbers. Exit codes: 2 input that you can mend (Kratos missing as well), 3 a damaged model, 4 no
 convergence. Needs `scripts/setup --kratos`, which makes build/kratos; IGA_KRATOS=folder names another virtual environment.
 """
+
 import argparse
 import json
 import os
@@ -34,9 +35,10 @@ def need_kratos():
     python = Path(os.environ.get("IGA_KRATOS", ROOT / "build" / "kratos")) / "bin" / "python"
     if not python.exists() or "IGA_KRATOS_STARTED" in os.environ:
         print(
-    f"solve_kratos.py: Kratos Multiphysics is not installed in {python.parents[1]}; run scripts/setup --kratos, or name a virtual "
-    "environment that has it by IGA_KRATOS",
-     file=sys.stderr)
+            f"solve_kratos.py: Kratos Multiphysics is not installed in {python.parents[1]}; run scripts/setup --kratos, or name a virtual "
+            "environment that has it by IGA_KRATOS",
+            file=sys.stderr,
+        )
         sys.exit(2)
     os.environ["IGA_KRATOS_STARTED"] = "1"
     os.execv(python, [str(python), *sys.argv])
@@ -48,12 +50,8 @@ def parse_arguments():
     parser.add_argument("run", type=Path, help="run file of igasolve; its `model` is not used")
     parser.add_argument("-o", "--output", type=Path, default=Path("."), help="folder of the results (default: here)")
     parser.add_argument(
-    "--analysis",
-    choices=(
-        "static",
-        "eigen",
-        "nonlinear"),
-         help="default: by the run file's tables")
+        "--analysis", choices=("static", "eigen", "nonlinear"), help="default: by the run file's tables"
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     return parser.parse_args()
 
@@ -75,6 +73,7 @@ def main():
     keep_kratos_quiet()
     from igatools.kratos.run_file import RunError, RunFile
     from igatools import FormatError, Model
+
     try:
         run = RunFile(arguments.run, arguments.analysis)
         model = Model(arguments.model)
@@ -96,6 +95,7 @@ def solve(arguments, run, model):
     from igatools import foreign_results
     from igatools.kratos import analysis, stored_energy
     from igatools.kratos.body import Body
+
     version = metadata.version("KratosMultiphysics")
     say = (lambda text: None) if arguments.json else print
     start = time.perf_counter()
@@ -116,19 +116,22 @@ def solve(arguments, run, model):
     arguments.output.mkdir(parents=True, exist_ok=True)
     path = arguments.output / f"{arguments.run.stem}_kratos.h5"
     foreign_results.write_results(
-    path,
-    model,
-    fields,
-    solver="Kratos Multiphysics",
-    version=version,
-    material=(
-        C,
-        run.rho),
+        path,
+        model,
+        fields,
+        solver="Kratos Multiphysics",
+        version=version,
+        material=(C, run.rho),
         title=title,
-         stress=law)
+        stress=law,
+    )
     report(
-    arguments, run, model, fields, {
-        "solver": f"Kratos Multiphysics {version}", "seconds": seconds, "output": str(path)})
+        arguments,
+        run,
+        model,
+        fields,
+        {"solver": f"Kratos Multiphysics {version}", "seconds": seconds, "output": str(path)},
+    )
 
 
 def report(arguments, run, model, fields, about):
@@ -137,11 +140,14 @@ def report(arguments, run, model, fields, about):
         print(json.dumps(about | {key: value for key, value in fields.items() if key not in arrays}, default=plain))
         return
     print(
-    f"{about['solver']}: {run.analysis} of {model.title}, {3 * model.coefficients_from_unknowns().shape[1]} unknowns, "
-    f"{about['seconds']:.1f} s; nothing done about light functions (igasolve --light-functions none)")
+        f"{about['solver']}: {run.analysis} of {model.title}, {3 * model.coefficients_from_unknowns().shape[1]} unknowns, "
+        f"{about['seconds']:.1f} s; nothing done about light functions (igasolve --light-functions none)"
+    )
     if run.analysis == "eigen":
-        print(f"  {fields['rigid']} rigid modes; frequencies " + ", ".join(f"{value**0.5 / 6.283185307179586:.8g}"
-                                                                         for value in fields["omega_squared"][fields["rigid"]:]))
+        print(
+            f"  {fields['rigid']} rigid modes; frequencies "
+            + ", ".join(f"{value**0.5 / 6.283185307179586:.8g}" for value in fields["omega_squared"][fields["rigid"] :])
+        )
     else:
         print(f"  strain energy {fields['strain_energy']:.12g}, external work {fields['external_work']:.12g}")
         for support in fields["supports"]:

@@ -7,6 +7,7 @@ igasolve's own files then stand side by side.
 
 Coefficients are those of the model's functions, entry by entry of /functions (copies too), as /cells/functions counts them.
 """
+
 import hashlib
 import os
 from pathlib import Path
@@ -24,11 +25,13 @@ VOIGT = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0))  # order of strains and
 
 def refined_surface(vertices, triangles, longest):
     """Triangles whose edges above `longest` (length) are halved until none is left. Whether an edge is halved depends on that edge
-    alone: no crack opens. Returns vertices (the given ones first), triangles, and for each triangle the one that it is a piece of."""
-    vertices, triangles, source = np.asarray(
-    vertices, float), np.asarray(
-        triangles, np.int64), np.arange(
-            len(triangles))
+    alone: no crack opens. Returns vertices (the given ones first), triangles, and for each triangle the one that it is a piece of.
+    """
+    vertices, triangles, source = (
+        np.asarray(vertices, float),
+        np.asarray(triangles, np.int64),
+        np.arange(len(triangles)),
+    )
     while True:
         edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]], axis=2)
         split = np.linalg.norm(np.subtract(*vertices[edges.transpose(2, 0, 1)]), axis=2) > longest
@@ -42,8 +45,11 @@ def refined_surface(vertices, triangles, longest):
         for turn in range(3):  # each pattern of halved edges, turned so that it starts at the triangle's first corner
             a, b, c = (triangles[:, (turn + k) % 3] for k in range(3))
             ab, bc, ca = (middle[:, (turn + k) % 3] for k in range(3))
-            for pattern, parts in (((1, 0, 0), ((a, ab, c), (ab, b, c))), ((1, 1, 0), ((b, bc, ab), (a, ab, bc), (a, bc, c))),
-                                   ((1, 1, 1), ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)))):
+            for pattern, parts in (
+                ((1, 0, 0), ((a, ab, c), (ab, b, c))),
+                ((1, 1, 0), ((b, bc, ab), (a, ab, bc), (a, bc, c))),
+                ((1, 1, 1), ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))),
+            ):
                 here = (split[:, [turn, (turn + 1) % 3, (turn + 2) % 3]] == pattern).all(1)
                 if pattern != (1, 1, 1) or turn == 0:
                     pieces += [np.stack(part, 1)[here] for part in parts]
@@ -64,13 +70,15 @@ def surface_of(model, subdivide=2):
     if len(lost):  # on the surface, by rounding outside: the cell of the nearest surface point
         nearest = cKDTree(model.positions("/surface/quadrature")).query(vertices[lost])[1]
         cells[lost] = model.point_cells("/surface/quadrature")[nearest]
-    return {"vertices": vertices,
-    "vertex_parameters": parameters,
-    "vertex_span": model["/cells/span"][cells].astype(np.int64),
-    "vertex_cell": cells,
-    "triangles": triangles.astype(np.int32),
-    "region": model["/surface/region"][source].astype(np.int32),
-     "regions": model.regions}
+    return {
+        "vertices": vertices,
+        "vertex_parameters": parameters,
+        "vertex_span": model["/cells/span"][cells].astype(np.int64),
+        "vertex_cell": cells,
+        "triangles": triangles.astype(np.int32),
+        "region": model["/surface/region"][source].astype(np.int32),
+        "regions": model.regions,
+    }
 
 
 def displacement_gradients(model, coefficients, cells, parameters):
@@ -82,9 +90,11 @@ def displacement_gradients(model, coefficients, cells, parameters):
 
 def linear_stress(C):
     """Stresses (n, 6) of displacement gradients (n, 3, 3) by an elasticity matrix (6, 6) in the files' order."""
+
     def stress(gradients):
         strain = np.stack([gradients[:, a, b] + (gradients[:, b, a] if a != b else 0) for a, b in VOIGT], 1)
         return strain @ np.asarray(C).T
+
     return stress
 
 
@@ -105,35 +115,87 @@ def write_results(path, model, fields, *, solver, version="", material, title=No
     n_f = len(model["/functions/number"])
     if shapes.shape[1:] != (n_f, 3) or not np.isfinite(shapes).all():
         raise ValueError(
-    f"{path}: coefficients have the shape {shapes.shape[1:]}, expected finite numbers ({n_f}, 3), one row for each "
-    "entry of /functions of the model")
+            f"{path}: coefficients have the shape {shapes.shape[1:]}, expected finite numbers ({n_f}, 3), "
+            "one row for each entry of /functions of the model"
+        )
     path = Path(path)
     beside = path.with_name(path.name + ".new")
     try:
-        with h5py.File(beside, "w") as file:
-            _write_head(file, model, "eigen" if "modes" in fields else "static", title, solver, version, C, density)
-            (_write_modes if "modes" in fields else _write_static)(file, model, fields, shapes)
-            _write_surface(file, model, shapes, stress or linear_stress(C))
-        with h5py.File(beside, "r") as file:
-            iga_schema.validate(file, SCHEMA)
+        with h5py.File(f"{beside}.plain", "w", driver="core", backing_store=False) as plain:
+            _write_head(plain, model, "eigen" if "modes" in fields else "static", title, solver, version, C, density)
+            (_write_modes if "modes" in fields else _write_static)(plain, model, fields, shapes)
+            _write_surface(plain, model, shapes, stress or linear_stress(C))
+            with h5py.File(beside, "w", libver=("v110", "v110")) as file:
+                _store(plain, file)
+                iga_schema.validate(file, SCHEMA)
+                iga_schema.validate_storage(file, SCHEMA)
         os.replace(beside, path)
     finally:
         beside.unlink(missing_ok=True)
 
 
+def _store(plain, file):
+    """Copies a file as the schema asks for it: chunks with checksums, packed where large, texts on everything."""
+    table = iga_schema.entries(SCHEMA, plain)
+    listed = {entry["path"]: entry for entry in table["dataset"]}
+    file.attrs.update(plain.attrs)
+
+    def copy(name, item):
+        words = name.replace("/", " ").replace("_", " ")
+        if isinstance(item, h5py.Group):
+            target = file.create_group(name)
+        else:
+            large = item.size * item.dtype.itemsize > iga_schema.COMPRESS_ABOVE
+            packed = {"compression": "gzip", "compression_opts": 1, "shuffle": True} if large else {}
+            rows = max(1, 2**17 // max(1, int(np.prod(item.shape[1:]))))
+            chunks = (min(max(item.shape[0], 1), rows), *(max(extent, 1) for extent in item.shape[1:]))
+            target = file.create_dataset(
+                name,
+                item.shape,
+                item.dtype,
+                chunks=chunks,
+                fletcher32=True,
+                **packed,
+                maxshape=item.shape if item.size else (None, *item.shape[1:]),
+            )
+            if item.size:
+                target[()] = item[()]
+            target.attrs.update({key: listed["/" + name][key] for key in ("unit", "order")})
+        target.attrs.update(item.attrs)
+        target.attrs["description"] = f"{words}, of another program"
+
+    plain.visititems(copy)
+
+
 def _write_texts(group, name, texts):
-    group.create_dataset(name, data=np.array(list(texts), dtype=object), dtype=h5py.string_dtype(), shape=(len(texts),))
+    """Of fixed length: checksums hold no others."""
+    encoded = [text.encode() for text in texts]
+    dtype = h5py.string_dtype("utf-8", max([1, *map(len, encoded)]))
+    group.create_dataset(name, data=np.array(encoded, dtype=dtype))
 
 
 def _write_head(file, model, analysis, title, solver, version, C, density):
-    file.attrs.update({"format": SCHEMA["format"], "format_version": SCHEMA["format_version"], "analysis": analysis,
-                       "length_unit": model.length_unit, "title": title or f"{model.title} ({solver})"})
-    file.create_group("model").attrs.update({"file": model.path.name,
-     "sha256": hashlib.sha256(model.path.read_bytes()).hexdigest()})
+    file.attrs.update(
+        {
+            "format": SCHEMA["format"],
+            "format_version": SCHEMA["format_version"],
+            "analysis": analysis,
+            "length_unit": model.length_unit,
+            "title": title or f"{model.title} ({solver})",
+        }
+    )
+    file.create_group("model").attrs.update(
+        {"file": model.path.name, "sha256": hashlib.sha256(model.path.read_bytes()).hexdigest()}
+    )
     file.create_group("material").attrs.update({"C": C, "density": density})
     functions = file.create_group("functions")
-    functions.attrs.update({"light_functions": "none", "light_threshold": 0.0,
-                            "unknowns": np.int64(3 * model.coefficients_from_unknowns().shape[1])})
+    functions.attrs.update(
+        {
+            "light_functions": "none",
+            "light_threshold": 0.0,
+            "unknowns": np.int64(3 * model.coefficients_from_unknowns().shape[1]),
+        }
+    )
     functions["active"] = model["/functions/number"].astype(np.int64)
     file.create_group("provenance").attrs.update({"producer": solver, "version": version})
 
@@ -145,11 +207,13 @@ def _write_static(file, model, fields, shapes):
             static.attrs[name] = float(fields[name])
     static["displacement"] = shapes[0]
     static.create_group("points")["position"] = model.points
-    for group, rows, texts, vectors in (
-    ("probes", fields.get(
-        "probes", ()), ("name",), ("position", "displacement")), ("supports", fields.get(
-            "supports", ()), ("name", "method"), ("centroid", "force", "moment")), ("loads", fields.get(
-                "loads", ()), ("name", "kind"), ("centroid", "force", "moment"))):
+    resultant = ("centroid", "force", "moment")
+    for group, texts, vectors in (
+        ("probes", ("name",), ("position", "displacement")),
+        ("supports", ("name", "method"), resultant),
+        ("loads", ("name", "kind"), resultant),
+    ):
+        rows = fields.get(group, ())
         below = static.create_group(group)
         for name in texts:
             _write_texts(below, name, [row[name] for row in rows])
@@ -167,16 +231,8 @@ def _write_modes(file, model, fields, shapes):
     file["modes"] = shapes
     eigen["omega_squared"], eigen["residual"] = values, np.asarray(fields["residual"], float)
     kinds = SCHEMA["enum"]["kind"]
-    eigen.create_dataset(
-    "kind",
-    data=np.where(
-        np.arange(
-            len(values)) < rigid,
-            kinds["RIGID"],
-            kinds["ELASTIC"]).astype("u1"),
-            dtype=h5py.enum_dtype(
-                kinds,
-                 basetype="u1"))
+    kind = np.where(np.arange(len(values)) < rigid, kinds["RIGID"], kinds["ELASTIC"]).astype("u1")
+    eigen.create_dataset("kind", data=kind, dtype=h5py.enum_dtype(kinds, basetype="u1"))
 
 
 def _write_surface(file, model, shapes, stress):

@@ -2,7 +2,9 @@
 """Kratos Multiphysics on our models (scripts/solve_kratos.py) beside igasolve; results that other programs write, and how they are drawn.
 usage: kratos_test.py SOURCE_DIR IGAPREP IGASOLVE
 
-Where Kratos is not installed (scripts/setup --kratos) its tests are left out and the exit code is 77; with IGA_TEST_KRATOS=1 that fails."""
+Where Kratos is not installed (scripts/setup --kratos) its tests are left out and the exit code is 77; with IGA_TEST_KRATOS=1 that fails.
+"""
+
 import json
 import os
 import subprocess
@@ -111,8 +113,9 @@ class Case(unittest.TestCase):
     @classmethod
     def prepare(cls, name, *words):
         path = cls.path / f"{name}.h5"
-        subprocess.run([IGAPREP, path.with_suffix(".stl"), "-o", path,
-                       "--degree", "2", "--quiet", "--force", *words], check=True)
+        subprocess.run(
+            [IGAPREP, path.with_suffix(".stl"), "-o", path, "--degree", "2", "--quiet", "--force", *words], check=True
+        )
         return path
 
     def run_file(self, name, text, **values):
@@ -122,8 +125,9 @@ class Case(unittest.TestCase):
 
     def igasolve(self, analysis, run):
         output = run.with_suffix(f".{analysis}.h5")
-        done = subprocess.run([IGASOLVE, analysis, run, "-o", output, "--json",
-                              "--threads", "2"], capture_output=True, text=True)
+        done = subprocess.run(
+            [IGASOLVE, analysis, run, "-o", output, "--json", "--threads", "2"], capture_output=True, text=True
+        )
         self.assertEqual(done.returncode, 0, done.stderr)
         return Results(output)
 
@@ -131,8 +135,11 @@ class Case(unittest.TestCase):
 @unittest.skipUnless(KRATOS, "Kratos Multiphysics is not installed")
 class KratosTest(Case):
     def kratos(self, model, run, *words):
-        done = subprocess.run([SOURCE / "scripts" / "solve_kratos.py", model, run, "-o",
-                              run.parent, "--json", *words], capture_output=True, text=True)
+        done = subprocess.run(
+            [SOURCE / "scripts" / "solve_kratos.py", model, run, "-o", run.parent, "--json", *words],
+            capture_output=True,
+            text=True,
+        )
         self.assertEqual(done.returncode, 0, done.stderr)
         return Results(json.loads(done.stdout)["output"])
 
@@ -152,6 +159,8 @@ class KratosTest(Case):
         self.expect_same_static(ours, theirs)
         self.assertLess(relative(theirs["/static/probes/displacement"], ours["/static/probes/displacement"]), DIGITS)
         self.assertEqual(theirs.attribute("/provenance", "producer"), "Kratos Multiphysics")
+        exported = subprocess.run([IGASOLVE, "export", theirs.path, "--csv"], capture_output=True, text=True)  # our C++ reader
+        self.assertEqual(exported.returncode, 0, exported.stderr)
 
     def test_copies_and_gap_ends(self):
         """Statics and modes; the mass of interior spans takes Gauss points."""
@@ -166,14 +175,16 @@ class KratosTest(Case):
 
     def test_free_modes(self):
         run = self.run_file(
-    "free",
-    'model = "{model}"\nlight_functions = "none"\nmaterial = {{ E = 1000.0, nu = 0.3, rho = 2.0 }}\n'
-    "[eigen]\nmodes = 6\n",
-     model=self.beam)
+            "free",
+            'model = "{model}"\nlight_functions = "none"\nmaterial = {{ E = 1000.0, nu = 0.3, rho = 2.0 }}\n'
+            "[eigen]\nmodes = 6\n",
+            model=self.beam,
+        )
         ours, theirs = self.igasolve("eigen", run), self.kratos(self.beam, run)
         self.assertEqual(theirs.kinds(), ["RIGID"] * 6 + ["ELASTIC"] * 6)
-        self.assertLess(np.abs(theirs["/eigen/omega_squared"][6:] / \
-                        ours["/eigen/omega_squared"][6:12] - 1).max(), DIGITS)
+        self.assertLess(
+            np.abs(theirs["/eigen/omega_squared"][6:] / ours["/eigen/omega_squared"][6:12] - 1).max(), DIGITS
+        )
 
     def test_large_displacement(self):
         for law in ("neo-hookean", "st-venant-kirchhoff"):
@@ -192,8 +203,9 @@ class ForeignResultsTest(Case):
         ours = self.igasolve("static", run)
         path = self.path / "again.h5"
         fields = {"displacement": ours["/static/displacement"], "strain_energy": 1.0, "external_work": 1.0}
-        foreign_results.write_results(path, model, fields, solver="another", version="2",
-                                      material=(ours.attribute("/material", "C"), 2.0))
+        foreign_results.write_results(
+            path, model, fields, solver="another", version="2", material=(ours.attribute("/material", "C"), 2.0)
+        )
         again, points = Results(path), model.points[::50]
         np.testing.assert_array_equal(again.displacement(points), ours.displacement(points))
         vertices, triangles, found = again.surface()
@@ -205,8 +217,11 @@ class ForeignResultsTest(Case):
         edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
         self.assertTrue((np.unique(edges, axis=0, return_counts=True)[1] == 2).all())
         self.assertLessEqual(np.linalg.norm(np.subtract(*vertices[edges.T]), axis=1).max(), min(model.span_size()) / 2)
-        done = subprocess.run([SOURCE / "scripts" / "render.py", ours.path, "--minus",
-                              path, "-o", self.path], capture_output=True, text=True)
+        done = subprocess.run(
+            [SOURCE / "scripts" / "render.py", ours.path, "--minus", path, "-o", self.path],
+            capture_output=True,
+            text=True,
+        )
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertTrue((self.path / f"{ours.path.stem}_minus_again.png").stat().st_size > 10_000)
 
@@ -226,30 +241,39 @@ class ForeignResultsTest(Case):
             for a, b in np.ndindex(3, 3):
                 unit = np.zeros((1, 3, 3))
                 unit[0, a, b] = step
-                P[a, b] = (stored_energy.density(law, 10.0, 0.3, gradient + unit) - \
-                           stored_energy.density(law, 10.0, 0.3, gradient - unit))[0] / (2 * step)
+                P[a, b] = (
+                    stored_energy.density(law, 10.0, 0.3, gradient + unit)
+                    - stored_energy.density(law, 10.0, 0.3, gradient - unit)
+                )[0] / (2 * step)
             sigma = P @ F.T / np.linalg.det(F)
             found = stored_energy.cauchy(law, 10.0, 0.3)(gradient)[0]
-            np.testing.assert_allclose(found, [sigma[0, 0], sigma[1, 1], sigma[2, 2],
-                                       sigma[0, 1], sigma[1, 2], sigma[2, 0]], rtol=1e-7)
+            np.testing.assert_allclose(
+                found, [sigma[0, 0], sigma[1, 1], sigma[2, 2], sigma[0, 1], sigma[1, 2], sigma[2, 0]], rtol=1e-7
+            )
 
     def test_what_kratos_cannot_do_is_refused_with_its_line(self):
         text = STATIC.format(model=self.beam)
-        cases = [(('method = "penalty"', 'method = "nitsche"'), 10, "Nitsche"), (('fixed = "y"', 'fixed = "pinned"'), 13, "pinned"),
-                 (('light_functions = "none"', 'light_functions = "linear"'), 2, "igasolve"), (("pressure = 0.3", "bearing = [0, 0, 1]"), 30, "bearing"),
-                 (("rho = 2.0", 'name = "steel"'), 6, "name"), (("[[probe]]", "[temperature]\nuniform = 2\n[[probe]]"), 35, "temperature"),
-                 (("force = [0, 0, 5]", "force = [0, 5]"), 26, "3 numbers"), (("value = [0, 0.001, 0]", "value = 1"), 14, "3 numbers"),
-                 (("[[probe]]", "[[spring]]\n[[probe]]"), 35, "spring")]
+        cases = [
+            (('method = "penalty"', 'method = "nitsche"'), 10, "Nitsche"),
+            (('fixed = "y"', 'fixed = "pinned"'), 13, "pinned"),
+            (('light_functions = "none"', 'light_functions = "linear"'), 2, "igasolve"),
+            (("pressure = 0.3", "bearing = [0, 0, 1]"), 30, "bearing"),
+            (("rho = 2.0", 'name = "steel"'), 6, "name"),
+            (("[[probe]]", "[temperature]\nuniform = 2\n[[probe]]"), 35, "temperature"),
+            (("force = [0, 0, 5]", "force = [0, 5]"), 26, "3 numbers"),
+            (("value = [0, 0.001, 0]", "value = 1"), 14, "3 numbers"),
+            (("[[probe]]", "[[spring]]\n[[probe]]"), 35, "spring"),
+        ]
         for (before, after), line, reason in cases:
             with self.subTest(after), self.assertRaisesRegex(RunError, f"line {line}: .*{reason}"):
                 run = self.path / "refused.toml"
                 run.write_text(text.replace(before, after, 1))
                 RunFile(run)
         run.write_text(
-    text.replace(
-        "point = [0, 0, 0], normal = [1, 0, 0]",
-        "point = [0, 0, 0], normal = [1, 0, 0], tolerance = 1",
-         1))
+            text.replace(
+                "point = [0, 0, 0], normal = [1, 0, 0]", "point = [0, 0, 0], normal = [1, 0, 0], tolerance = 1", 1
+            )
+        )
         with self.assertRaisesRegex(RunError, "line 9: .*cuts triangle"):
             RunFile(run).points("support", 0, Model(self.beam))
         run.write_text(text.replace("rho = 2.0", 'law = "j2"', 1))
@@ -261,4 +285,5 @@ if __name__ == "__main__":
     if os.environ.get("IGA_TEST_KRATOS") == "1" and not KRATOS:
         sys.exit(f"kratos_test.py: IGA_TEST_KRATOS is 1, but {PYTHON} is missing; run scripts/setup --kratos")
     parts.run_tests(
-    "" if KRATOS else f"Kratos Multiphysics is not installed ({PYTHON} is missing); run scripts/setup --kratos")
+        "" if KRATOS else f"Kratos Multiphysics is not installed ({PYTHON} is missing); run scripts/setup --kratos"
+    )

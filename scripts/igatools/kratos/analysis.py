@@ -1,4 +1,5 @@
 """Statics, modes and statics at large displacement of a run file: Kratos' elements, conditions and assembly, systems solved by scipy."""
+
 import sys
 
 import numpy as np
@@ -19,7 +20,8 @@ KINDS = {
     "pressure": "pressure",
     "force": "total force",
     "body_force": "body force",
-     "acceleration": "acceleration"}
+    "acceleration": "acceleration",
+}
 
 
 class SolverError(Exception):
@@ -32,15 +34,13 @@ class Factor:
     def __init__(self, K):
         if (K.diagonal() <= 0).any():
             raise SolverError(
-                "the stiffness has a row without stiffness: the part is not held, or a function has no material")
+                "the stiffness has a row without stiffness: the part is not held, or a function has no material"
+            )
         self.K, self.scale = K, 1 / np.sqrt(K.diagonal())
         D = sparse.diags(self.scale)
         self.lu = splu(
-    (D @ K @ D).tocsc(),
-    permc_spec="MMD_AT_PLUS_A",
-    diag_pivot_thresh=1e-3,
-    options={
-        "SymmetricMode": True})
+            (D @ K @ D).tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=1e-3, options={"SymmetricMode": True}
+        )
 
     def solve(self, b):
         x = np.zeros_like(b)
@@ -78,16 +78,19 @@ class System:
             directions = [(self.model[GROUP + "/normals"][points], np.full(len(points), value))]
         else:
             along = np.array(support.get("value", np.zeros(3)), float) + x @ gradient.T
-            directions = [(np.broadcast_to(frame[:, "xyz".index(d)], x.shape), along[:, "xyz".index(d)])
-                           for d in sorted(set(fixed))]
+            directions = [
+                (np.broadcast_to(frame[:, "xyz".index(d)], x.shape), along[:, "xyz".index(d)])
+                for d in sorted(set(fixed))
+            ]
         told |= {
-    "method": "penalty",
-    "part": f"support {k}",
-    "points": points,
-    "w": w,
-    "x": x,
-    "beta": beta,
-     "directions": directions}
+            "method": "penalty",
+            "part": f"support {k}",
+            "points": points,
+            "w": w,
+            "x": x,
+            "beta": beta,
+            "directions": directions,
+        }
         if len(directions) == 3:
             self.body.add_support(told["part"], points, beta, sum(e * value[:, None] for e, value in directions))
         else:
@@ -100,15 +103,16 @@ class System:
         N = self.model.functions_at(self.model.cell_spans(cells), self.model[GROUP + "/parameters"][points])[1]
         functions = self.model["/cells/functions"][cells]
         rows = np.repeat(np.arange(len(points)), functions.shape[1])
-        return sparse.csr_matrix((N.ravel(), (rows, functions.ravel())),
-                                 (len(points), len(self.model["/functions/number"])))
+        return sparse.csr_matrix(
+            (N.ravel(), (rows, functions.ravel())), (len(points), len(self.model["/functions/number"]))
+        )
 
     def _directions(self, points, w, beta, directions):
         """Penalty along single directions, which Kratos 10.4's condition cannot: it fixes all three whatever its flags say."""
         n = 3 * len(self.model["/functions/number"])
         K, b, N = sparse.csr_matrix((n, n)), np.zeros(n), self.shapes(points)
         for e, value in directions:
-            trace = sum(sparse.kron(sparse.diags(e[:, d]) @ N, np.eye(3)[d:d + 1]) for d in range(3)).tocsr()
+            trace = sum(sparse.kron(sparse.diags(e[:, d]) @ N, np.eye(3)[d : d + 1]) for d in range(3)).tocsr()
             K, b = K + trace.T @ sparse.diags(beta * w) @ trace, b + trace.T @ (beta * w * value)
         return K, b
 
@@ -116,13 +120,12 @@ class System:
         load, frame = self.run.loads[k], self.run.frame("load", k)
         kind = next(key for key in KINDS if key in load)
         told = {
-    "name": self.run.name(
-        "load",
-        k),
-        "kind": KINDS[kind],
-        "part": f"load {k}",
-        "area": 0.0,
-         "density": None}
+            "name": self.run.name("load", k),
+            "kind": KINDS[kind],
+            "part": f"load {k}",
+            "area": 0.0,
+            "density": None,
+        }
         if kind in ("body_force", "acceleration"):
             force = frame @ np.array(load[kind], float) * (self.run.rho if kind == "acceleration" else 1)
             told["density"] = force
@@ -134,8 +137,9 @@ class System:
             if kind == "pressure":
                 t = -float(load[kind]) * self.model[GROUP + "/normals"][points]
             else:
-                t = np.broadcast_to(frame @ np.array(load[kind], float) /
-     (w.sum() if kind == "force" else 1), (len(points), 3))
+                t = np.broadcast_to(
+                    frame @ np.array(load[kind], float) / (w.sum() if kind == "force" else 1), (len(points), 3)
+                )
             self.body.add_traction(self.body.part(told["part"]), points, t)
         told |= {"force": w @ t, "moment": w @ np.cross(x - told["centroid"], t)}
         self.loads.append(told)
@@ -152,7 +156,8 @@ class System:
             force = self.body.body_force(load["density"]) if inside else self.body.assemble(load["part"])[1]
             if np.abs(force.reshape(-1, 3).sum(0) - load["force"]).max() > 1e-9 * max(np.abs(force).sum(), 1e-300):
                 raise SolverError(
-                    f"load '{load['name']}': Kratos' forces add up to {force.reshape(-1, 3).sum(0)}, expected {load['force']}")
+                    f"load '{load['name']}': Kratos' forces add up to {force.reshape(-1, 3).sum(0)}, expected {load['force']}"
+                )
             self.f += force
 
     def solve(self, K, b):
@@ -170,8 +175,10 @@ class System:
                 gap = (at * e).sum(1) - value
                 t -= support["beta"] * gap[:, None] * e
                 energy += 0.5 * support["beta"] * support["w"] @ gap**2
-            rows.append({key: support[key] for key in ("name", "method", "area", "centroid")} | {
-                        "force": support["w"] @ t, "moment": support["w"] @ np.cross(support["x"] - support["centroid"], t)})
+            rows.append(
+                {key: support[key] for key in ("name", "method", "area", "centroid")}
+                | {"force": support["w"] @ t, "moment": support["w"] @ np.cross(support["x"] - support["centroid"], t)}
+            )
         return rows, energy
 
     def probes(self, u):
@@ -181,25 +188,29 @@ class System:
             self.run.refuse("probe", int(k), "position", "lies outside the solid")
         N = self.model.functions_at(self.model.cell_spans(cells), parameters)[1]
         found = np.einsum("qi,qia->qa", N, u[self.model["/cells/functions"][cells]])
-        return [{"name": self.run.name("probe", k), "position": x, "displacement": d}
-                                       for k, (x, d) in enumerate(zip(positions, found))]
+        return [
+            {"name": self.run.name("probe", k), "position": x, "displacement": d}
+            for k, (x, d) in enumerate(zip(positions, found))
+        ]
 
     def report(self, u, strain_energy, external_work):
         supports, penalty = self.reactions(u)
         return {
-    "displacement": u,
-    "strain_energy": strain_energy,
-    "external_work": external_work,
-    "penalty_energy": penalty,
-    "supports": supports,
-    "loads": self.loads,
-     "probes": self.probes(u)}
+            "displacement": u,
+            "strain_energy": strain_energy,
+            "external_work": external_work,
+            "penalty_energy": penalty,
+            "supports": supports,
+            "loads": self.loads,
+            "probes": self.probes(u),
+        }
 
 
 def need_support(run):
     if not run.supports:
         raise RunError(
-            f"{run.path}: no [[support]] holds the part; igasolve knows inertia_relief for free parts, this script does not")
+            f"{run.path}: no [[support]] holds the part; igasolve knows inertia_relief for free parts, this script does not"
+        )
 
 
 def static(body, run):
@@ -222,8 +233,9 @@ def modes(body, run):
     C = system.components
     K, M = (C.T @ A @ C for A in (body.assemble("stiffness")[0] + system.K_s, body.assemble("mass")[0]))
     speed = np.sqrt(run.E / (2 * (1 + run.nu)) / run.rho)
-    values, vectors, rigid, residual = reference.lowest_pairs((K + K.T) / 2, (M + M.T) / 2, run.modes,
-                                                              (np.pi * speed / reference.length_scale(body.model))**2)
+    values, vectors, rigid, residual = reference.lowest_pairs(
+        (K + K.T) / 2, (M + M.T) / 2, run.modes, (np.pi * speed / reference.length_scale(body.model)) ** 2
+    )
     shapes = (C @ vectors).T.reshape(len(values), -1, 3)
     return {"omega_squared": values, "modes": shapes, "residual": residual, "rigid": rigid}
 
@@ -233,8 +245,9 @@ def nonlinear(body, run, say=print):
     need_support(run)
     if "/unknowns/offsets" in body.model.data:
         raise RunError(
-    f"{body.model.path}: gaps end inside the part; igasolve glues their ends in nonlinear runs, so the two would not be the "
-    "same model: make it with igaprep --gap-ends glued")
+            f"{body.model.path}: gaps end inside the part; igasolve glues their ends in nonlinear runs, so the two would not be the "
+            "same model: make it with igaprep --gap-ends glued"
+        )
     system = System(body, run)
     body.start()
     system.gather()
@@ -249,13 +262,15 @@ def nonlinear(body, run, say=print):
             residual = inner + outer + held
             if not np.isfinite(residual).all():
                 raise SolverError(f"load step {step}: the displacements run away; take more steps")
-            if iteration and np.linalg.norm(residual) <= run.tolerance * \
-                                            max(np.linalg.norm(outer), np.linalg.norm(held)):
+            if iteration and np.linalg.norm(residual) <= run.tolerance * max(
+                np.linalg.norm(outer), np.linalg.norm(held)
+            ):
                 break
             u = u + system.solve(K + system.K_s, residual)
         else:
             raise SolverError(
-                f"load step {step}: Newton's method did not converge in {run.max_iterations} iterations; take more steps")
+                f"load step {step}: Newton's method did not converge in {run.max_iterations} iterations; take more steps"
+            )
         work += float((factor - 0.5 / run.steps) * system.f @ (u - before))
         say(f"  load factor {factor:.4g}: {iteration} iterations")
     model = body.model

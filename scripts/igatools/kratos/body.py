@@ -4,6 +4,7 @@ Each cell is a NurbsVolumeGeometry of one span: the 2 p knots about it and its (
 grid's spline exactly. Its nodes are the copies that /cells/functions names, so cells on two sides of a gap share no node where the
 model does not. Quadrature points are the model's own: no rule of Kratos comes in.
 """
+
 import numpy as np
 
 import KratosMultiphysics as KM
@@ -15,12 +16,11 @@ from KratosMultiphysics import scipy_conversion_tools
 from igatools import iga_model
 
 DERIVATIVES = 2  # of shape functions: Kratos takes no other number
-LAWS = {"linear-elastic": ("SmallDisplacementElement3D8N",
-    structural.LinearElastic3DLaw),
-    "st-venant-kirchhoff": ("TotalLagrangianElement3D8N",
-    laws.KirchhoffSaintVenant3DLaw),
-    "neo-hookean": ("TotalLagrangianElement3D8N",
-     laws.HyperElastic3DLaw)} # 8N is a name: the nodes are those of the geometry
+LAWS = {
+    "linear-elastic": ("SmallDisplacementElement3D8N", structural.LinearElastic3DLaw),
+    "st-venant-kirchhoff": ("TotalLagrangianElement3D8N", laws.KirchhoffSaintVenant3DLaw),
+    "neo-hookean": ("TotalLagrangianElement3D8N", laws.HyperElastic3DLaw),
+}  # 8N is a name: the nodes are those of the geometry
 
 
 def vector(values):
@@ -35,8 +35,9 @@ def gauss_points(model, span):
     rules = [np.polynomial.legendre.leggauss(p + 1) for p in model.degree]
     low = [model.knots[d][span[d] + p] for d, p in enumerate(model.degree)]
     size = [model.knots[d][span[d] + p + 1] - low[d] for d, p in enumerate(model.degree)]
-    u = np.stack(np.meshgrid(*(low[d] + (x + 1) / 2 * size[d]
-                 for d, (x, _) in enumerate(rules)), indexing="ij"), 3).reshape(-1, 3)
+    u = np.stack(
+        np.meshgrid(*(low[d] + (x + 1) / 2 * size[d] for d, (x, _) in enumerate(rules)), indexing="ij"), 3
+    ).reshape(-1, 3)
     return u, np.einsum("i,j,k->ijk", *(w / 2 * size[d] for d, (_, w) in enumerate(rules))).ravel()
 
 
@@ -85,8 +86,10 @@ class Body:
         nodes = KM.NodesVector()
         for function in self.functions[cell]:
             nodes.append(self.nodes[function])
-        knots = [vector(self.model.knots[d][s + 1:s + 2 * p + 1])
-                        for d, (s, p) in enumerate(zip(self.spans[cell], self.model.degree))]
+        knots = [
+            vector(self.model.knots[d][s + 1 : s + 2 * p + 1])
+            for d, (s, p) in enumerate(zip(self.spans[cell], self.model.degree))
+        ]
         volume, made = KM.NurbsVolumeGeometry(nodes, *self.model.degree, *knots), KM.GeometriesVector()
         self._volumes.append(volume)  # Kratos keeps a bare pointer to it
         volume.CreateQuadraturePointGeometries(made, DERIVATIVES, np.column_stack([parameters, weights]).tolist())
@@ -121,42 +124,53 @@ class Body:
     def add_traction(self, part, points, traction):
         """Force/area (n, 3) on surface points."""
         self._on_surface(
-    part,
-    "LoadCondition",
-    points,
-    self.new_properties(
-        {}),
-        iga.SURFACE_LOAD,
-        traction,
-         together=False)
+            part, "LoadCondition", points, self.new_properties({}), iga.SURFACE_LOAD, traction, together=False
+        )
 
     def _on_surface(self, part, kind, points, properties, variable, values, together=True):
         """One condition for each run of points of a cell with the same value; for each point where Kratos' condition adds up several wrongly."""
         group = "/surface/quadrature"
-        cells, parameters, weights = (self.model.point_cells(group)[points], self.model[group + "/parameters"][points],
-                                      self.model[group + "/weights"][points])
+        cells, parameters, weights = (
+            self.model.point_cells(group)[points],
+            self.model[group + "/parameters"][points],
+            self.model[group + "/weights"][points],
+        )
         apart = (np.diff(cells) != 0) | (np.diff(values, axis=0) != 0).any(1) | (not together)
         new = np.flatnonzero(np.r_[True, apart])
         for first, last in zip(new, np.r_[new[1:], len(points)]):
-            self.condition(part, kind, cells[first], parameters[first:last],
-                           weights[first:last], properties, {variable: values[first]})
+            self.condition(
+                part,
+                kind,
+                cells[first],
+                parameters[first:last],
+                weights[first:last],
+                properties,
+                {variable: values[first]},
+            )
 
     def start(self):
         """After the last condition: numbers the unknowns."""
         for name in "XYZ":
             KM.VariableUtils().AddDof(
-    KM.KratosGlobals.GetVariable(f"DISPLACEMENT_{name}"),
-    KM.KratosGlobals.GetVariable(f"REACTION_{name}"),
-     self.root)
+                KM.KratosGlobals.GetVariable(f"DISPLACEMENT_{name}"),
+                KM.KratosGlobals.GetVariable(f"REACTION_{name}"),
+                self.root,
+            )
         self._scheme = KM.ResidualBasedIncrementalUpdateStaticScheme()
         self._builder = KM.ResidualBasedBlockBuilderAndSolver(KM.SkylineLUFactorizationSolver())
         self._strategy = KM.ResidualBasedLinearStrategy(
-    self.root, self._scheme, self._builder, False, False, False, False)
+            self.root, self._scheme, self._builder, False, False, False, False
+        )
         self._strategy.Check()
         self._strategy.Initialize()
         self._strategy.InitializeSolutionStep()
-        self._rows = np.array([node.GetDof(variable).EquationId for node in self.nodes
-                               for variable in (KM.DISPLACEMENT_X, KM.DISPLACEMENT_Y, KM.DISPLACEMENT_Z)])
+        self._rows = np.array(
+            [
+                node.GetDof(variable).EquationId
+                for node in self.nodes
+                for variable in (KM.DISPLACEMENT_X, KM.DISPLACEMENT_Y, KM.DISPLACEMENT_Z)
+            ]
+        )
 
     def assemble(self, name):
         """Tangent (3 n, 3 n) and residual (3 n), external minus internal forces, of one part as Kratos assembles it at the nodes' present

@@ -1,4 +1,5 @@
 """What of igasolve's run file Kratos can do here. Everything else is refused with the line where it stands."""
+
 import re
 import tomllib
 from pathlib import Path
@@ -12,44 +13,18 @@ SURFACE = {"region", "box", "plane", "normal", "whole_surface"}
 HARMLESS = {"", "output", "units", "unit_system", "results"}  # no number depends on them
 ROOT = {"model", "material", "support", "load", "probe", "light_functions", "mass"} | HARMLESS
 KEYS = {
-    "material": {
-        "E",
-        "nu",
-        "rho",
-        "yield",
-        "expansion",
-        "conductivity"},
-        "support": {
-            "name",
-            "fixed",
-            "value",
-            "gradient",
-            "rotation",
-            "rotate_axis_angle",
-            "method",
-            "penalty_factor"} | SURFACE,
-            "load": {
-                "name",
-                "traction",
-                "pressure",
-                "force",
-                "body_force",
-                "acceleration",
-                "rotation",
-                "rotate_axis_angle"} | SURFACE,
-                "probe": {
-                    "name",
-                     "position"}}
+    "material": {"E", "nu", "rho", "yield", "expansion", "conductivity"},
+    "support": {"name", "fixed", "value", "gradient", "rotation", "rotate_axis_angle", "method", "penalty_factor"}
+    | SURFACE,
+    "load": {"name", "traction", "pressure", "force", "body_force", "acceleration", "rotation", "rotate_axis_angle"}
+    | SURFACE,
+    "probe": {"name", "position"},
+}
 OWN = {
     "static": {},
-    "eigen": {
-        "eigen": {"modes"}},
-        "nonlinear": {
-            "nonlinear": {
-                "steps",
-                "tolerance",
-                "max_iterations",
-                 "smallest_step"}}}
+    "eigen": {"eigen": {"modes"}},
+    "nonlinear": {"nonlinear": {"steps", "tolerance", "max_iterations", "smallest_step"}},
+}
 NUMBERS = {
     "traction": 3,
     "force": 3,
@@ -65,7 +40,8 @@ NUMBERS = {
     "modes": 0,
     "steps": 0,
     "tolerance": 0,
-     "max_iterations": 0} # 0: one alone
+    "max_iterations": 0,
+}  # 0: one alone
 ACTIONS = ("traction", "pressure", "force", "body_force", "acceleration")
 
 
@@ -120,8 +96,11 @@ class RunFile:
         return head
 
     def refuse(self, table, number, key, why):
-        where = f"[{table}]: " if table in self.data and isinstance(
-    self.data[table], dict) else f"[[{table}]]: " if table else ""
+        where = (
+            f"[{table}]: "
+            if table in self.data and isinstance(self.data[table], dict)
+            else f"[[{table}]]: " if table else ""
+        )
         raise RunError(f"{self.path}, line {self.line(table, number, key)}: {where}{key}: {why}")
 
     def name(self, kind, number):
@@ -141,10 +120,11 @@ class RunFile:
             for number, one in enumerate(found if isinstance(found, list) else [found]):
                 for key in one.keys() - keys:
                     self.refuse(
-    table,
-    number,
-    key,
-     f"Kratos is not given this here, only {', '.join(sorted(keys))}; igasolve can do it")
+                        table,
+                        number,
+                        key,
+                        f"Kratos is not given this here, only {', '.join(sorted(keys))}; igasolve can do it",
+                    )
 
     def _check_numbers(self):
         for table in ("support", "load", "probe", self.analysis):
@@ -153,20 +133,17 @@ class RunFile:
                 for key, count in NUMBERS.items():
                     values = one.get(key, [0.0] * count if count else 1)
                     each = values if isinstance(values, list) else [values]
-                    if isinstance(
-    values,
-    list) != (
-        count > 0) or len(each) != max(
-            count,
-            1) or not all(
-                type(v) in (
-                    int,
-                     float) for v in each):
+                    if (
+                        isinstance(values, list) != (count > 0)
+                        or len(each) != max(count, 1)
+                        or not all(type(v) in (int, float) for v in each)
+                    ):
                         self.refuse(
-    table,
-    number,
-    key,
-     f"found {values!r}, expected {count or 'a'} number{'s' if count else ''}")
+                            table,
+                            number,
+                            key,
+                            f"found {values!r}, expected {count or 'a'} number{'s' if count else ''}",
+                        )
                 if table == "probe" and "position" not in one:
                     self.refuse(table, number, "position", "is missing")
 
@@ -191,49 +168,59 @@ class RunFile:
         method = support.get("method", "penalty" if self.analysis == "nonlinear" else "nitsche")
         if method != "penalty":
             self.refuse(
-    "support",
-    k,
-    "method",
-    f'found "{method}"' +
-    (
-        "" if "method" in support else ", which is what igasolve does without it") +
-         ', expected method = "penalty": Kratos has no Nitsche support for solids and is given no multipliers')
+                "support",
+                k,
+                "method",
+                f'found "{method}"'
+                + ("" if "method" in support else ", which is what igasolve does without it")
+                + ', expected method = "penalty": Kratos has no Nitsche support for solids and is given no multipliers',
+            )
         fixed = support.get("fixed", "xyz")
         if not isinstance(fixed, str) or fixed != "normal" and not (fixed and set(fixed) <= set("xyz")):
             self.refuse("support", k, "fixed", f'found {fixed!r}, expected some of x y z, or "normal"')
         if fixed == "normal" and self.analysis == "nonlinear":
             self.refuse("support", k, "fixed", 'found "normal", expected some of x y z in a nonlinear run')
         value = support.get("value", 0 if fixed == "normal" else [0, 0, 0])
-        if np.shape(value) not in (
-    ((), (1,), (3,)) if fixed == "normal" else (
-        (3,),)) or not np.issubdtype(
-            np.array(value).dtype, np.number):
+        if np.shape(value) not in (((), (1,), (3,)) if fixed == "normal" else ((3,),)) or not np.issubdtype(
+            np.array(value).dtype, np.number
+        ):
             self.refuse(
-    "support",
-    k,
-    "value",
-     f"found {value!r}, expected {'a number' if fixed == 'normal' else '3 numbers'}")
+                "support", k, "value", f"found {value!r}, expected {'a number' if fixed == 'normal' else '3 numbers'}"
+            )
         if not SURFACE & support.keys():
             self.refuse("support", k, "name", f"no choice of surface; expected some of {', '.join(sorted(SURFACE))}")
 
     def _check_load(self, k, load):
         actions = [key for key in ACTIONS if key in load]
         if len(actions) != 1:
-            self.refuse("load", k, actions[1] if actions else "name",
-                        f"found {len(actions)} of {', '.join(ACTIONS)}, expected one")
+            self.refuse(
+                "load",
+                k,
+                actions[1] if actions else "name",
+                f"found {len(actions)} of {', '.join(ACTIONS)}, expected one",
+            )
         inside = actions[0] in ("body_force", "acceleration")
         if inside == bool(SURFACE & load.keys()):
-            self.refuse("load", k, actions[0], "takes no choice of surface" if inside else
-                        f"no choice of surface; expected some of {', '.join(sorted(SURFACE))}")
+            self.refuse(
+                "load",
+                k,
+                actions[0],
+                (
+                    "takes no choice of surface"
+                    if inside
+                    else f"no choice of surface; expected some of {', '.join(sorted(SURFACE))}"
+                ),
+            )
         if actions[0] == "acceleration" and not self.rho > 0:
             self.refuse("load", k, "acceleration", "needs rho in [material]")
         if actions[0] == "pressure" and self.analysis == "nonlinear" and load.get("follower", True):
             self.refuse(
-    "load",
-    k,
-    "follower" if "follower" in load else "pressure",
-    "a pressure that follows the surface: Kratos' load "
-    "condition keeps its direction; write follower = false, or run igasolve")
+                "load",
+                k,
+                "follower" if "follower" in load else "pressure",
+                "a pressure that follows the surface: Kratos' load "
+                "condition keeps its direction; write follower = false, or run igasolve",
+            )
 
     def frame(self, kind, number):
         """Columns: the axes of a table's frame."""
@@ -254,28 +241,33 @@ class RunFile:
     def points(self, kind, number, model):
         """Numbers of the model's surface points that a table's choice of surface holds."""
         table, names = self.data[kind][number], model.regions
-        for region in table["region"] if isinstance(table.get("region"), list) else [
-                                                    table["region"]] if "region" in table else []:
+        for region in (
+            table["region"] if isinstance(table.get("region"), list) else [table["region"]] if "region" in table else []
+        ):
             if region not in names and not (isinstance(region, int) and 0 <= region < len(names)):
                 self.refuse(
-    kind,
-    number,
-    "region",
-     f"found {region!r}, expected one of {', '.join(names)} or a number below {len(names)}")
+                    kind,
+                    number,
+                    "region",
+                    f"found {region!r}, expected one of {', '.join(names)} or a number below {len(names)}",
+                )
         chosen = np.zeros(len(model.triangles), bool)
         for triangle, _, whole in chosen_pieces(
-    table, model.vertices, model.triangles, model["/surface/region"], names, snap_length(model)):
+            table, model.vertices, model.triangles, model["/surface/region"], names, snap_length(model)
+        ):
             if not whole:
                 self.refuse(
-    kind,
-    number,
-    "box" if "box" in table else "plane",
-    f"cuts triangle {triangle} of the surface, whose part would need "
-    "quadrature points that the model does not have; choose by region (igaprep --region-angle), or let the "
-    "box or plane follow the surface's edges")
+                    kind,
+                    number,
+                    "box" if "box" in table else "plane",
+                    f"cuts triangle {triangle} of the surface, whose part would need "
+                    "quadrature points that the model does not have; choose by region (igaprep --region-angle), or let the "
+                    "box or plane follow the surface's edges",
+                )
             chosen[triangle] = True
         points = np.flatnonzero(chosen[model["/surface/quadrature/triangle"]])
         if not len(points):
-            self.refuse(kind, number, next(iter(SURFACE & table.keys())),
-                        f"holds no surface; regions: {', '.join(names)}")
+            self.refuse(
+                kind, number, next(iter(SURFACE & table.keys())), f"holds no surface; regions: {', '.join(names)}"
+            )
         return points

@@ -1,5 +1,6 @@
 """Energy and Cauchy stress of the laws at large displacement, by their formulas (solver/explicit/laws/README.md): for figures, not for the
 solution, which takes Kratos' laws."""
+
 import numpy as np
 
 
@@ -15,7 +16,7 @@ def density(law, E, nu, gradients):
         log_J = np.log(np.linalg.det(F))
         return mu / 2 * ((F**2).sum((1, 2)) - 3) - mu * log_J + lam / 2 * log_J**2
     strain = (F.transpose(0, 2, 1) @ F - np.eye(3)) / 2
-    return lam / 2 * np.trace(strain, axis1=1, axis2=2)**2 + mu * (strain**2).sum((1, 2))
+    return lam / 2 * np.trace(strain, axis1=1, axis2=2) ** 2 + mu * (strain**2).sum((1, 2))
 
 
 def cauchy(law, E, nu):
@@ -32,4 +33,5 @@ def cauchy(law, E, nu):
             S = lam * np.trace(strain, axis1=1, axis2=2)[:, None, None] * np.eye(3) + 2 * mu * strain
             sigma = F @ S @ F.transpose(0, 2, 1) / J
         return np.stack([sigma[:, a, b] for a, b in ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0))], 1)
+
     return stress
