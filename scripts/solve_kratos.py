@@ -78,8 +78,10 @@ def main():
         run = RunFile(arguments.run, arguments.analysis)
         model = Model(arguments.model)
         solve(arguments, run, model)
-    except (RunError, FileNotFoundError) as error:
+    except RunError as error:
         fail(2, error)
+    except FileNotFoundError:
+        fail(2, f"{arguments.model}: no such file")
     except FormatError as error:
         fail(3, f"{arguments.model}: {error}")
     except OSError as error:
