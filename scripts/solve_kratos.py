@@ -146,6 +146,8 @@ def report(arguments, run, model, fields, about):
         f"{about['seconds']:.1f} s; nothing done about light functions (igasolve --light-functions none)"
     )
     if run.analysis == "eigen":
+        if run.loads:
+            print(f"  loads are left out: {', '.join(run.name('load', k) for k in range(len(run.loads)))}")
         print(
             f"  {fields['rigid']} rigid modes; frequencies "
             + ", ".join(f"{value**0.5 / 6.283185307179586:.8g}" for value in fields["omega_squared"][fields["rigid"] :])

@@ -59,7 +59,7 @@ class System:
         self.supports, self.loads = [], []
         for k in range(len(run.supports)):
             self._add_support(k)
-        for k in range(len(run.loads)):
+        for k in range(len(run.loads) if run.analysis != "eigen" else 0):  # modes know no loads
             self._add_load(k)
 
     def _surface(self, kind, k):
