@@ -42,6 +42,14 @@ std::vector<std::string> step_warnings(const NonlinearRun& run, double span_size
       if (!deepest || step.contacts[c].depth > deepest->contacts[c].depth) deepest = &step;
     if (!deepest) continue;
     const ToolContactReport& r = deepest->contacts[c];
+    const double share = run.contacts[c].stiffness * r.depth / span_size; // of E
+    constexpr double most_of_metal = 0.05; // several times the yield stress of the hardest
+    if (std::holds_alternative<J2Plasticity>(run.material.law) && share > most_of_metal)
+      all.push_back(
+          fmt::format("contact '{}': the largest pressure, at ({:.4g}, {:.4g}, {:.4g}), is {:.2g} E, more than "
+                      "metal bears: pressure oscillates where metal flows without change of volume and "
+                      "sticks to a tool, and forces are not to be relied upon; less friction, smaller spans",
+                      run.contacts[c].name, r.deepest[0], r.deepest[1], r.deepest[2], share));
     if (r.depth <= run.depth_warning * span_size) continue;
     all.push_back(fmt::format("contact '{}': the part sinks {:.2g} spans into the tool at the load factor {:.5g}, at "
                               "({:.4g}, {:.4g}, {:.4g}); a larger stiffness than {:g} or smaller spans",

@@ -212,3 +212,42 @@ def pulled_block(run, span):
                      {"name": "plate", "bodies": ["part", "plate"], "rough": True}], "nonlinear": {"steps": 8}})
     floor, plate = (contact["force"] for contact in report["contacts"])
     return {"pull / normal force": -floor[0] / floor[2], "sideways / all loads": -plate[0] / floor[0]}
+
+
+# Steel pressed flat between smooth plates.
+
+BILLET_E, BILLET_NU, YIELD, HARDENING, BILLET_RADIUS, BILLET_HEIGHT = 200e3, 0.3, 700.0, 300.0, 10.0, 15.0  # MPa, mm
+
+
+def upset_values():
+    """The height is 0.4 of what it was: σ = σ_y + H ε_p, ε_p = ln 2.5 - σ/E, area A J / 0.4 with J = exp(-(1 - 2 ν) σ/E)."""
+    strain = np.log(2.5)
+    stress = (YIELD + HARDENING * strain) / (1 + HARDENING / BILLET_E)
+    J = np.exp(-(1 - 2 * BILLET_NU) * stress / BILLET_E)
+    return {"force": 1e-3 * stress * np.pi * BILLET_RADIUS**2 * J / 0.4, "u of the side": BILLET_RADIUS * (np.sqrt(J / 0.4) - 1)}
+
+
+@case(id="upset_billet", title="Billet pressed to 40 % of its height between smooth plates",
+      geometry="Cylinder, radius 10, height 15 mm: an eighth between planes of symmetry; a plane without friction comes down in 40 steps",
+      material="J2, E = 200 GPa, ν = 0.3, yield stress 700 MPa, hardening 300 MPa",
+      source="the law itself: a uniform state, σ = σ_y + H ε_p in true stress and logarithmic strain",
+      unit={"force": "kN", "u of the side": "mm"}, exact=upset_values, grids=(6.0, 5.0, 4.0), tolerance=5e-3,
+      notes="The billet of the benchmark with rough plates (Lippmann 1979), without friction.")
+def upset_billet(run, span):
+    radius = BILLET_RADIUS * np.sqrt(np.pi / 4 / (12 * np.sin(np.pi / 48)))  # the area of 24 facets is that of the circle
+    t = np.linspace(0, np.pi / 2, 25)
+    low = np.round(radius * np.column_stack([np.cos(t), np.sin(t), np.zeros_like(t)]), 12) + 0.0
+    top, axis, above = low + [0, 0, BILLET_HEIGHT / 2], np.zeros(3), np.array([0, 0, BILLET_HEIGHT / 2])
+    a, b, c, d = low[:-1], low[1:], top[1:], top[:-1]
+    m, n = np.broadcast_to(axis, a.shape), np.broadcast_to(above, a.shape)
+    part = np.concatenate([np.stack([m, b, a], 1), np.stack([n, d, c], 1), np.stack([a, b, c], 1), np.stack([a, c, d], 1),
+                           [[axis, low[0], top[0]], [axis, top[0], above], [axis, top[-1], low[-1]], [axis, above, top[-1]]]])
+    run.model(part, span)
+    report = run.solve("nonlinear", {
+        "material": {"law": "j2", "E": BILLET_E, "nu": BILLET_NU, "yield_stress": YIELD, "hardening_modulus": HARDENING},
+        "support": [plane(axis, "normal", [0, 0, 0], list(np.eye(3)[k])) for k, axis in enumerate("xyz")],
+        "rigid_bodies": [{"name": "plate", "shape": "plane", "normal": [0, 0, -1], "centre": [0, 0, BILLET_HEIGHT / 2],
+                          "drive": {"z": [[0, 0], [1, -0.6 * BILLET_HEIGHT / 2]]}}],
+        "contacts": [{"bodies": ["part", "plate"]}], "nonlinear": {"steps": 40},
+        "probe": [{"name": "side", "position": [radius, 0, 0]}]})
+    return {"force": -4e-3 * report["contacts"][0]["force"][2], "u of the side": probe(report, "side")["displacement"][0]}
