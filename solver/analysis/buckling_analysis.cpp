@@ -15,12 +15,12 @@ namespace {
 
 void add_timings(std::vector<std::pair<std::string, double>>& all,
                  const std::vector<std::pair<std::string, double>>& more) {
-  for (const auto& [stage, seconds] : more) {
-    const auto known = std::find_if(all.begin(), all.end(), [&](const auto& t) { return t.first == stage; });
+  for (const auto& time : more) {
+    const auto known = std::find_if(all.begin(), all.end(), [&](const auto& t) { return t.first == time.first; });
     if (known != all.end())
-      known->second += seconds;
+      known->second += time.second;
     else
-      all.emplace_back(stage, seconds);
+      all.push_back(time);
   }
 }
 
