@@ -7,6 +7,7 @@ import numpy as np
 
 from igatools import calculix, choices, iga_model, tet_mesh
 from igatools.fe_mesh import Mesh
+from igatools.run_files import kind_of_load
 from igatools.stl import read_stl, write_stl
 
 CHOICE = {"region", "box", "plane", "normal", "whole_surface"}
@@ -185,24 +186,23 @@ class MeshRun:
         rho = self.table["material"].get("rho")
         for load in self.table.get("load", []):
             what = f"load '{load.get('name', '')}'"
-            kinds = [kind for kind in ("traction", "pressure", "force", "body_force", "acceleration") if kind in load]
-            if len(kinds) != 1:
-                raise ExportError(
-                    f"{self.run}: {what}: expected one of traction, pressure, force, body_force, acceleration"
-                )
-            value = np.array(load[kinds[0]], float)
-            if kinds[0] in ("body_force", "acceleration"):
-                if kinds[0] == "acceleration" and rho is None:
+            try:
+                kind = kind_of_load(load)
+            except ValueError as error:
+                raise ExportError(f"{self.run}: {what}: {error}") from error
+            value = np.array(load[kind], float)
+            if kind in ("body_force", "acceleration"):
+                if kind == "acceleration" and rho is None:
                     raise ExportError(f"{self.run}: {what}: an acceleration needs rho in the material")
-                per_volume = value * rho if kinds[0] == "acceleration" else value
+                per_volume = value * rho if kind == "acceleration" else value
                 total += tet_mesh.nodal_volumes(self.mesh.nodes, self.mesh.elements)[:, None] * per_volume
                 continue
             kept, area, _ = self.faces_of(load, what)
             faces = self.mesh.boundary[kept]
-            if kinds[0] == "pressure":
+            if kind == "pressure":
                 total += self.mesh.face_forces(faces, lambda x, normal, p=float(value): -p * normal)
             else:
-                total += self.mesh.face_forces(faces, value / area if kinds[0] == "force" else value)
+                total += self.mesh.face_forces(faces, value / area if kind == "force" else value)
         return total
 
     def lines(self, modes=None):

@@ -1,5 +1,15 @@
-"""Run files of the samples, for models that lie elsewhere."""
+"""Run files: those of the samples for models that lie elsewhere, and what several readers of them ask."""
 from pathlib import Path
+
+LOAD_KINDS = ("traction", "pressure", "force", "body_force", "acceleration")
+
+
+def kind_of_load(load):
+    """Which of LOAD_KINDS the table of a load holds. Raises ValueError where it is not one."""
+    kinds = [kind for kind in LOAD_KINDS if kind in load]
+    if len(kinds) != 1:
+        raise ValueError(f"expected one of {', '.join(LOAD_KINDS)}")
+    return kinds[0]
 
 
 def moved_run(settings, model, *changes):

@@ -88,8 +88,6 @@ std::string nonlinear_text(const NonlinearOutcome& o) {
                 support.gap > 0 ? fmt::format(", gives way by {:.3g} (root mean square)", support.gap) : "");
     balance = plus(balance, support.force);
   }
-  report.line("balance", "{} {}", o.run.contacts.empty() ? "loads + reactions" : "loads + reactions + contacts",
-              vector_text(balance));
   for (std::size_t c = 0; c < o.run.contacts.size(); ++c) {
     const ToolContactReport& r = o.statics.contact_reports()[c];
     report.line("contact", "{}: force {} on the part, normal {:.6g}, friction {:.6g}", o.run.contacts[c].name,
@@ -98,6 +96,8 @@ std::string nonlinear_text(const NonlinearOutcome& o) {
                 r.sliding, r.depth / o.statics.contacts()[c].span_size());
     balance = plus(balance, r.force);
   }
+  report.line("balance", "{} {}", o.run.contacts.empty() ? "loads + reactions" : "loads + reactions + contacts",
+              vector_text(balance));
   const std::vector<Point3> probes = last_probes(o);
   for (std::size_t k = 0; k < probes.size(); ++k)
     report.line("probe", "{}: displacement {}", o.run.probes[k].name, vector_text(probes[k]));

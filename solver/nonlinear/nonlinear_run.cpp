@@ -204,16 +204,9 @@ std::vector<io::TableKeys> nonlinear_keys() {
       {"nonlinear", {"steps", "tolerance", "max_iterations", "smallest_step"}},
       {"results", {"subdivide", "viewer", "points"}},
       {"load", {"follower"}},
-      {"rigid_bodies",
-       {"name", "shape", "radius", "normal", "axis", "height", "size", "file", "scale", "density", "centre", "motion",
-        "mass", "inertia", "velocity", "spin", "guided", "rotates"}},
-      {"rigid_bodies.drive", {"kind", "smooth", "x", "y", "z", "rotation", "axis"}},
-      {"contact", {"skin"}},
-      {"contacts",
-       {"name", "bodies", "self", "first_regions", "second_regions", "friction", "friction_dynamic", "friction_decay",
-        "rough", "stiffness", "damping", "edges"}},
+      {"contacts", {"rough"}},
       {"watch", {"depth_warning"}}};
-  for (const auto& more : static_keys()) keys.push_back(more);
+  for (const auto& more : {tool_keys(), static_keys()}) keys.insert(keys.end(), more.begin(), more.end());
   return keys;
 }
 

@@ -230,11 +230,7 @@ StepReport NonlinearStatics::advance(double target, const std::function<void(con
       const Residual before = residual(state_.u, state_.factor), after = residual(u, factor);
       state_.work += 0.5 * (before.internal + after.internal).dot(moved);
       state_.external += 0.5 * (before.external + after.external).dot(moved);
-      Eigen::VectorXd ignored = Eigen::VectorXd::Zero(u.size());
-      for (std::size_t c = 0; c < contacts_.size(); ++c) {
-        contact_reports_[c] = contacts_[c].add_forces(u, factor, ignored);
-        contacts_[c].keep(u, factor);
-      }
+      for (std::size_t c = 0; c < contacts_.size(); ++c) contact_reports_[c] = contacts_[c].keep(u, factor);
       report.contacts = contact_reports_;
       body_->keep(u);
       state_.u = std::move(u);

@@ -60,10 +60,8 @@ ToolContact::ToolContact(const SolutionSpace& space, const ToolContactSettings& 
       region_(choose_region(
           space.model(), {.names = settings.regions, .numbers = {}, .box = {}, .plane = {}, .normal = {}, .patch = {}},
           fmt::format("contact '{}'", settings.name))),
-      shape_(tool.shape, std::ranges::min(space.model().grid.span_size())), mover_(tool) {
+      span_size_(std::ranges::min(space.model().grid.span_size())), shape_(tool.shape, span_size_), mover_(tool) {
   mover_.shape = SphereShape{};
-  const Point3 h = space.model().grid.span_size();
-  span_size_ = std::min({h[0], h[1], h[2]});
   normal_stiffness_ = settings.stiffness * modulus;
   tangential_stiffness_ = tangential_share * normal_stiffness_;
   closed_ = closed_share * span_size_;
@@ -81,9 +79,7 @@ ToolContact::ToolContact(const SolutionSpace& space, const ToolContactSettings& 
     cells_.push_back(std::move(cell));
   }
   memory_.resize(points);
-  keep(u_old_, 0);
-  Eigen::VectorXd ignored = u_old_;
-  const ToolContactReport start = add_forces(u_old_, 0, ignored);
+  const ToolContactReport start = keep(u_old_, 0);
   if (start.depth > deepest_share * span_size_)
     throw InputError(
         fmt::format("{}: contact '{}': the part lies {:.3g} deep in '{}' before the first step, at ({:.4g}, "
@@ -289,9 +285,9 @@ std::string ToolContact::too_far(const Eigen::VectorXd& u, double factor) const 
   return {};
 }
 
-void ToolContact::keep(const Eigen::VectorXd& u, double factor) {
+ToolContactReport ToolContact::keep(const Eigen::VectorXd& u, double factor) {
   Eigen::VectorXd ignored = Eigen::VectorXd::Zero(u.size());
-  const ToolContactReport report = add_forces(u, factor, ignored);
+  ToolContactReport report = add_forces(u, factor, ignored);
   dissipated_ += report.dissipated;
   tool_work_ += report.by_tool;
   const Motion moved = motion(factor);
@@ -305,6 +301,7 @@ void ToolContact::keep(const Eigen::VectorXd& u, double factor) {
   }
   u_old_ = u;
   pose_old_ = pose(factor);
+  return report;
 }
 
 SurfaceRegion ToolContact::touching() const {

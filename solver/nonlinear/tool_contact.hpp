@@ -51,10 +51,11 @@ class ToolContact {
   ToolContactReport add_forces(const Eigen::VectorXd& u, double factor, Eigen::VectorXd& f) const;
   /// A -= ∂(forces)/∂u.
   void subtract_stiffness(const Eigen::VectorXd& u, double factor, Tangent& A) const;
-  /// A converged step. The depth, or the way since the last one, that no step may reach, is half a span; else points
+  /// The depth, or the way since the last one, that no step may reach, is half a span; else points
   /// may have come out on the far side. Empty, or why the step is too large.
   std::string too_far(const Eigen::VectorXd& u, double factor) const;
-  void keep(const Eigen::VectorXd& u, double factor);
+  /// A converged step. @returns its forces, and what was dissipated and done by the tool since the last one
+  ToolContactReport keep(const Eigen::VectorXd& u, double factor);
   /// What touches in the state kept last, for the check of rigid motions.
   SurfaceRegion touching() const;
 
@@ -87,9 +88,10 @@ class ToolContact {
   const SolutionSpace* space_;
   ToolContactSettings settings_;
   SurfaceRegion region_;
+  double span_size_;
   ToolShape shape_;
   RigidBody mover_; ///< the tool without its shape
-  double span_size_ = 0, normal_stiffness_ = 0, tangential_stiffness_ = 0, closed_ = 0;
+  double normal_stiffness_ = 0, tangential_stiffness_ = 0, closed_ = 0;
   std::vector<Cell> cells_;
   std::vector<Memory> memory_; ///< by point
   Eigen::VectorXd u_old_;

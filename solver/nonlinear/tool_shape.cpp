@@ -21,23 +21,14 @@ Matrix3d across(const Vector3d& n) {
   return Matrix3d::Identity() - n * n.transpose();
 }
 
-Box3 box_of(const MovingSurface& mesh, const Triangle& t) {
-  Box3 box{mesh.x(t[0]), mesh.x(t[0])};
-  for (const std::int32_t v : t)
-    for (std::size_t d = 0; d < 3; ++d) {
-      box.lower[d] = std::min(box.lower[d], mesh.x(v)[d]);
-      box.upper[d] = std::max(box.upper[d], mesh.x(v)[d]);
-    }
-  return box;
-}
-
 } // namespace
 
 ToolShape::ToolShape(const RigidShape& shape, double span_size) {
   if (const auto* mesh = std::get_if<MeshShape>(&shape)) {
     mesh_ = std::make_unique<const MovingSurface>(*mesh, 0, span_size);
     std::vector<Box3> boxes;
-    for (const Triangle& t : mesh_->mesh().triangles) boxes.push_back(box_of(*mesh_, t));
+    for (const Triangle& t : mesh_->mesh().triangles)
+      boxes.push_back(bounding_box(std::array{mesh_->x(t[0]), mesh_->x(t[1]), mesh_->x(t[2])}));
     faces_ = Bvh(boxes);
   } else {
     closed_form_ = shape;

@@ -2,6 +2,7 @@
 """Runs of igasolve nonlinear: reports, results, restart, failure; mistakes are refused with their line.
 usage: nonlinear_run_test.py SOURCE_DIR IGAPREP IGASOLVE"""
 import json
+import re
 import subprocess
 import sys
 import tempfile
@@ -134,6 +135,8 @@ class Nonlinear(unittest.TestCase):
         np.testing.assert_allclose(np.add(ball["force"], floor["force"]), 0, atol=1e-6 * floor["force"][2])
         self.assertGreater(ball["area"], 0)
         self.assertLess(ball["depth_in_spans"], 0.02)
+        balance = re.search(r"balance +loads \+ reactions \+ contacts \((.*)\)", self.solve("press.toml").stdout)
+        np.testing.assert_allclose([float(x) for x in balance[1].split(",")], 0, atol=1e-6 * floor["force"][2])
         results = iga_results.read(self.path / "press.h5")
         on_ball = results["/time_series/contact/ball-part/force"]  # on the first-named
         np.testing.assert_allclose(on_ball[-1], np.negative(ball["force"]))

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from igatools.choices import chosen_pieces, snap_length
+from igatools.run_files import LOAD_KINDS
 
 LAWS = ("st-venant-kirchhoff", "neo-hookean")
 SURFACE = {"region", "box", "plane", "normal", "whole_surface"}
@@ -42,7 +43,6 @@ NUMBERS = {
     "tolerance": 0,
     "max_iterations": 0,
 }  # 0: one alone
-ACTIONS = ("traction", "pressure", "force", "body_force", "acceleration")
 
 
 class RunError(Exception):
@@ -191,13 +191,13 @@ class RunFile:
             self.refuse("support", k, "name", f"no choice of surface; expected some of {', '.join(sorted(SURFACE))}")
 
     def _check_load(self, k, load):
-        actions = [key for key in ACTIONS if key in load]
+        actions = [key for key in LOAD_KINDS if key in load]
         if len(actions) != 1:
             self.refuse(
                 "load",
                 k,
                 actions[1] if actions else "name",
-                f"found {len(actions)} of {', '.join(ACTIONS)}, expected one",
+                f"found {len(actions)} of {', '.join(LOAD_KINDS)}, expected one",
             )
         inside = actions[0] in ("body_force", "acceleration")
         if inside == bool(SURFACE & load.keys()):

@@ -3,6 +3,8 @@ solution, which takes Kratos' laws."""
 
 import numpy as np
 
+from igatools.foreign_results import VOIGT
+
 
 def lame(E, nu):
     return E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu))
@@ -32,6 +34,6 @@ def cauchy(law, E, nu):
             strain = (F.transpose(0, 2, 1) @ F - np.eye(3)) / 2
             S = lam * np.trace(strain, axis1=1, axis2=2)[:, None, None] * np.eye(3) + 2 * mu * strain
             sigma = F @ S @ F.transpose(0, 2, 1) / J
-        return np.stack([sigma[:, a, b] for a, b in ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0))], 1)
+        return np.stack([sigma[:, a, b] for a, b in VOIGT], 1)
 
     return stress

@@ -8,6 +8,7 @@ from igatools.lsdyna.cards import Deck, DeckError, card, comment_lines, heading
 from igatools.lsdyna.laws import bulk_viscosity, write_material
 from igatools.lsdyna.run import Run
 from igatools.lsdyna.tools import write_tool
+from igatools.run_files import kind_of_load
 
 SKIN_MASS = 1e-6  # of the bodies' density: null shells need a density, and their mass counts
 THICKNESS = 0.05  # of the smallest span: how thick contact takes surfaces to be
@@ -194,17 +195,16 @@ class Writer:
         if name not in bodies:
             raise DeckError(f"{self.run.path}: {what}: body {name!r}: expected one of {', '.join(bodies)}")
         body = bodies[name]
-        kinds = [kind for kind in ("traction", "pressure", "force", "body_force", "acceleration") if kind in load]
-        if len(kinds) != 1:
-            raise DeckError(
-                f"{self.run.path}: {what}: expected one of traction, pressure, force, body_force, acceleration"
-            )
-        value = np.array(load[kinds[0]], float)
-        if kinds[0] in ("body_force", "acceleration"):
-            forces = body.masses[:, None] * (value if kinds[0] == "acceleration" else value / body.density)
+        try:
+            kind = kind_of_load(load)
+        except ValueError as error:
+            raise DeckError(f"{self.run.path}: {what}: {error}") from error
+        value = np.array(load[kind], float)
+        if kind in ("body_force", "acceleration"):
+            forces = body.masses[:, None] * (value if kind == "acceleration" else value / body.density)
         else:
             regions = self._regions(body, load, what)
-            if kinds[0] == "pressure":
+            if kind == "pressure":
                 forces, area = body.surface_forces(regions, lambda normals: -value * normals)
             else:
                 forces, area = body.surface_forces(regions, lambda normals: np.broadcast_to(value, normals.shape))
@@ -212,7 +212,7 @@ class Writer:
                 self.notes.append(f"{what}: points of the reduced surface rule, exact for resultants on flat facets alone")
             if not area > 0:
                 raise DeckError(f"{self.run.path}: {what}: its regions have no area")
-            forces = forces / area if kinds[0] == "force" else forces
+            forces = forces / area if kind == "force" else forces
         if np.any(forces):
             curve = self.run.curve(load.get("factor", 1.0), load.get("smooth", False))
             body.write_forces(forces, self.deck.curve(curve, f"{what}: factor"))

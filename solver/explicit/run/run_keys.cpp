@@ -5,6 +5,17 @@
 
 namespace iga::solve {
 
+std::vector<io::TableKeys> tool_keys() {
+  return {{"rigid_bodies",
+           {"name", "shape", "radius", "normal", "axis", "height", "size", "file", "scale", "density", "centre",
+            "motion", "mass", "inertia", "velocity", "spin", "guided", "rotates"}},
+          {"rigid_bodies.drive", {"kind", "smooth", "x", "y", "z", "rotation", "axis"}},
+          {"contact", {"skin"}},
+          {"contacts",
+           {"name", "bodies", "self", "first_regions", "second_regions", "friction", "friction_dynamic",
+            "friction_decay", "stiffness", "damping", "edges"}}};
+}
+
 std::vector<io::TableKeys> run_file_keys() {
   std::vector<io::TableKeys> keys{
       {"", {"units", "unit_system", "materials", "gravity"}},
@@ -12,14 +23,6 @@ std::vector<io::TableKeys> run_file_keys() {
        {"mass", "light_functions", "light_threshold", "damping", "erosion_volume_ratio", "velocity", "spin",
         "spin_centre", "edge_length"}},
       {"bodies.material", material_keys()},
-      {"rigid_bodies",
-       {"name", "shape", "radius", "normal", "axis", "height", "size", "file", "scale", "density", "centre", "motion",
-        "mass", "inertia", "velocity", "spin", "guided", "rotates"}},
-      {"rigid_bodies.drive", {"kind", "smooth", "x", "y", "z", "rotation", "axis"}},
-      {"contact", {"skin"}},
-      {"contacts",
-       {"name", "bodies", "self", "first_regions", "second_regions", "friction", "friction_dynamic", "friction_decay",
-        "stiffness", "damping", "edges"}},
       {"loads", {"body", "smooth", "factor", "follows"}},
       {"supports", {"name", "body", "fixed", "stiffness", "damping"}},
       {"supports.drive", {"kind", "smooth", "x", "y", "z"}},
@@ -30,7 +33,7 @@ std::vector<io::TableKeys> run_file_keys() {
         "support_warning", "support_limit", "inverted_warning", "inverted_limit"}},
       {"output", {"file", "interval", "field_interval", "restart_interval", "subdivide", "points", "viewer"}},
       {"stop", {"quantity", "above", "below", "after"}}};
-  for (const auto& more : {load_keys("loads"), region_keys("supports"), body_file_keys()})
+  for (const auto& more : {tool_keys(), load_keys("loads"), region_keys("supports"), body_file_keys()})
     keys.insert(keys.end(), more.begin(), more.end());
   return keys;
 }

@@ -25,8 +25,9 @@ struct DriveCurves {
 };
 DriveCurves read_drive(io::SettingsTable& table, bool may_turn, std::vector<RunInput>& files);
 
-/// For SettingsTable::expect_only.
+/// For SettingsTable::expect_only: of explicit runs, and of [[rigid_bodies]], [contact] and [[contacts]] in any run.
 std::vector<io::TableKeys> run_file_keys();
+std::vector<io::TableKeys> tool_keys();
 
 /// Numbers of material.name in the units of the model; nothing where there is no name.
 /// @param words  gets what the report says of it
