@@ -15,7 +15,8 @@ Of results (igasolve eigen part.h5 … -o modes.h5, igasolve static …):
                         --colour of that name (load cases: <static>_case_<n>…)
   <explicit>_frames.png six times of an explicit run, cut in half, in their true places (--whole: not cut)
   <a>_minus_<b>.png     with --minus b.h5: where and by how much the displacements of two files differ (statics, and with --mode modes),
-                        such as igasolve's and Kratos' (scripts/solve_kratos.py), or of two grids
+                        such as igasolve's and Kratos' (scripts/solve_kratos.py), or of two grids; of explicit and nonlinear runs the
+                        last field, or --step n
 
 Of a run file (scripts/render.py --choices run.toml; igasolve static and eigen):
   <run>_choices.png     the part from both sides, the surface that each support and load has chosen in a colour
@@ -55,6 +56,8 @@ def parse_arguments():
     results.add_argument("--scale", type=float, help="factor on displacements (default: chosen for each picture)")
     results.add_argument("--mode", type=int, nargs="+", default=[], metavar="N", help="draw these modes, one picture each")
     results.add_argument("--minus", type=Path, metavar="OTHER.h5", help="draw the difference to another results file")
+    results.add_argument("--step", type=int, metavar="N", help="with --minus: field of explicit and nonlinear runs, from 0 (default: the "
+                         "last, -1)")
     results.add_argument("--sight", type=float, nargs=3, metavar=("X", "Y", "Z"), default=(0.62, 1.0, -0.62),
                          help="direction of sight (default: 0.62 1 -0.62)")
     arguments = parser.parse_args()

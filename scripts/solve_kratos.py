@@ -11,6 +11,8 @@ copies of functions are the model's. Supports of single directions are added to 
   static     (default)        linear elastic, penalty supports, traction, pressure, force, body_force, acceleration
   eigen      ([eigen])        consistent mass, free or held
   nonlinear  ([nonlinear])    law = "st-venant-kirchhoff" or "neo-hookean", Newton's method, loads that keep their direction
+  explicit   ([[bodies]])     one free body of these laws, start velocity and spin, gravity, loads over time; Kratos' central differences
+                              in equal steps of [time] dt_max; the results hold the end, a table `energies` the way there
 
 A key that Kratos cannot follow is refused with its line. Nothing is done about light functions: run igasolve with
 --light-functions none to get the same numbers. Exit codes: 2 input that you can mend (Kratos missing as well), 3 a damaged model, 4 no
@@ -50,7 +52,7 @@ def parse_arguments():
     parser.add_argument("run", type=Path, help="run file of igasolve; its `model` is not used")
     parser.add_argument("-o", "--output", type=Path, default=Path("."), help="folder of the results (default: here)")
     parser.add_argument(
-        "--analysis", choices=("static", "eigen", "nonlinear"), help="default: by the run file's tables"
+        "--analysis", choices=("static", "eigen", "nonlinear", "explicit"), help="default: by the run file's tables"
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     return parser.parse_args()
@@ -71,11 +73,12 @@ def keep_kratos_quiet():
 def main():
     arguments = parse_arguments()
     keep_kratos_quiet()
-    from igatools.kratos.run_file import RunError, RunFile
+    from igatools.kratos.explicit_run import open_run
+    from igatools.kratos.run_file import RunError
     from igatools import FormatError, Model
 
     try:
-        run = RunFile(arguments.run, arguments.analysis)
+        run = open_run(arguments.run, arguments.analysis)
         model = Model(arguments.model)
         solve(arguments, run, model)
     except RunError as error:
@@ -95,15 +98,17 @@ def fail(code, error):
 
 def solve(arguments, run, model):
     from igatools import foreign_results
-    from igatools.kratos import analysis, stored_energy
+    from igatools.kratos import analysis, explicit, stored_energy
     from igatools.kratos.body import Body
 
     version = metadata.version("KratosMultiphysics")
     say = (lambda text: None) if arguments.json else print
     start = time.perf_counter()
-    body = Body(model, run.E, run.nu, run.law)
+    body = Body(model, run.E, run.nu, run.law, steps=run.analysis == "explicit")
     try:
-        if run.analysis == "nonlinear":
+        if run.analysis == "explicit":
+            fields = explicit.explicit(body, run, say)
+        elif run.analysis == "nonlinear":
             fields = analysis.nonlinear(body, run, say)
         else:
             fields = {"static": analysis.static, "eigen": analysis.modes}[run.analysis](body, run)
@@ -114,7 +119,8 @@ def solve(arguments, run, model):
     seconds = time.perf_counter() - start
     C = analysis.reference.isotropic(run.E, run.nu)  # the order of shears does not matter
     law = None if run.law == "linear-elastic" else stored_energy.cauchy(run.law, run.E, run.nu)
-    title = f"{model.title} (Kratos{', ' + run.law if law else ''})"
+    at = f", t = {run.steps * run.dt:.6g}" if run.analysis == "explicit" else ""
+    title = f"{model.title} (Kratos{', ' + run.law if law else ''}{at})"
     arguments.output.mkdir(parents=True, exist_ok=True)
     path = arguments.output / f"{arguments.run.stem}_kratos.h5"
     foreign_results.write_results(

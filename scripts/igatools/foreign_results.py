@@ -105,6 +105,7 @@ def write_results(path, model, fields, *, solver, version="", material, title=No
     fields      statics: "displacement" (n_f, 3), length, with "strain_energy", "external_work" and, where known, "penalty_energy";
                 "probes", "supports", "loads": lists of dictionaries, keys as the datasets of their group.
                 Modes: "omega_squared" (n), "modes" (n, n_f, 3), "residual" (n), "rigid": how many come first; "complete_below".
+                Both: "tables": {name: (what it holds, {heading: (unit, values)})}, columns of one length each.
     solver      name of the program, and its version: `producer` and `version` of /provenance
     material    C (6, 6) in the order xx yy zz xy yz zx, force/length^2, and the density, 0 where none is known
     stress      from displacement gradients (n, 3, 3) to Cauchy stresses (n, 6); default: C times the small strain
@@ -125,6 +126,7 @@ def write_results(path, model, fields, *, solver, version="", material, title=No
             _write_head(plain, model, "eigen" if "modes" in fields else "static", title, solver, version, C, density)
             (_write_modes if "modes" in fields else _write_static)(plain, model, fields, shapes)
             _write_surface(plain, model, shapes, stress or linear_stress(C))
+            _write_tables(plain, fields.get("tables", {}))
             with h5py.File(beside, "w", libver=("v110", "v110")) as file:
                 _store(plain, file)
                 iga_schema.validate(file, SCHEMA)
@@ -247,3 +249,15 @@ def _write_surface(file, model, shapes, stress):
     stresses = np.stack([stress(gradient) for _, gradient in found])
     surface["displacement"] = np.stack([u for u, _ in found])
     surface["stress"], surface["von_mises"] = stresses, np.stack([von_mises(s) for s in stresses])
+
+
+def _write_tables(file, tables):
+    if not tables:
+        return
+    _write_texts(file, "table_names", list(tables))
+    for name, (content, columns) in tables.items():
+        table = file.create_group(f"tables/{name}")
+        table.attrs["content"] = content
+        _write_texts(table, "columns", list(columns))
+        _write_texts(table, "units", [unit for unit, _ in columns.values()])
+        table["values"] = np.column_stack([np.asarray(values, float) for _, values in columns.values()])

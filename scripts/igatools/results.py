@@ -132,13 +132,15 @@ class Results(Labels, iga_results.Results):
         points: (n, 3), length. Results of several bodies need the name of one, `body`; its points are in the frame of its model.
         The size of a mode means nothing.
         """
-        model = self.model(body)
-        cells, parameters = model.locate(points)
-        active, coefficients = self._field(mode, step, body)
+        cells, parameters = self.model(body).locate(points)
         found = np.full((len(cells), 3), np.nan)
         inside = cells >= 0
-        found[inside] = self.field_of(model, active, coefficients, cells[inside], parameters[inside])
+        found[inside] = self.displacement_in(cells[inside], parameters[inside], mode, step, body)
         return found
+
+    def displacement_in(self, cells, parameters, mode=None, step=None, body=None):
+        """Displacements (n, 3), length, in cells (n) of the model at parameters (n, 3)."""
+        return self.field_of(self.model(body), *self._field(mode, step, body), cells, parameters)
 
     def strain(self, points, mode=None, body=None):
         """Small strains at points, (n, 6): xx yy zz xy yz zx, shear as angles (twice the tensor's); nan outside. Not of explicit

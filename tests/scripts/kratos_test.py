@@ -21,6 +21,7 @@ import gap_ends_test  # noqa: E402
 import parts  # noqa: E402
 from igatools import Model, Results, foreign_results  # noqa: E402
 from igatools.kratos import stored_energy  # noqa: E402
+from igatools.kratos.explicit_run import open_run  # noqa: E402
 from igatools.kratos.run_file import RunError, RunFile  # noqa: E402
 
 PYTHON = Path(os.environ.get("IGA_KRATOS", SOURCE / "build" / "kratos")) / "bin" / "python"
@@ -94,6 +95,33 @@ position = [6, 1, 1]
 [nonlinear]
 steps = 2
 """
+STEPS = """gravity = [0, -2, 0]
+[[bodies]]
+model = "{model}"
+velocity = [0.5, 0, 0]
+spin = [0, 3, 1]
+light_functions = "none"
+[bodies.material]
+law = "{law}"
+E = 1000.0
+nu = 0.3
+rho = 2.0
+[[loads]]
+name = "pull"
+plane = {{ point = [6, 0, 0], normal = [1, 0, 0] }}
+force = [0, 0, -100]
+factor = [[0, 0], [0.08, 1], [0.12, 0.5]]
+smooth = true
+[[loads]]
+pressure = 2
+normal = {{ direction = [0, 0, 1] }}
+[time]
+end = 0.16
+dt_max = 4e-3
+[output]
+interval = 4e-2
+field_interval = 8e-2
+"""
 
 
 def relative(found, expected):
@@ -130,6 +158,10 @@ class Case(unittest.TestCase):
         )
         self.assertEqual(done.returncode, 0, done.stderr)
         return Results(output)
+
+    def draw(self, *words):
+        done = subprocess.run([SOURCE / "scripts" / "render.py", *words, "-o", self.path], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
 
 
 @unittest.skipUnless(KRATOS, "Kratos Multiphysics is not installed")
@@ -194,6 +226,28 @@ class KratosTest(Case):
                 tip = ours["/time_series/probe/tip/displacement"][-1]
                 self.assertGreater(np.abs(tip).max(), 0.4)
                 self.assertLess(relative(theirs["/static/probes/displacement"][0], tip), DIGITS)
+        self.draw(ours.path, "--minus", theirs.path)
+    def test_explicit_steps(self):
+        """Kratos' central differences with its own masses: the same motion and energies."""
+        run = self.run_file("steps", STEPS, model=self.beam, law="neo-hookean")
+        ours, theirs = self.igasolve("explicit", run), self.kratos(self.beam, run)
+        self.assertLess(relative(theirs.coefficients(), ours.coefficients(step=-1)), DIGITS)
+        found = theirs.table("energies")
+        np.testing.assert_allclose(found["time"], ours["/time_series/time"], rtol=1e-12)
+        for name, row in (("kinetic", "kinetic"), ("external_work", "external")):
+            self.assertLess(relative(found[name][1:], ours[f"/time_series/energy/{row}"][1:]), DIGITS)
+        # ours is the work of the steps, theirs what the law stores
+        self.assertLess(relative(found["internal"], ours["/time_series/energy/internal"]), 0.02)
+        self.assertGreater(found["internal"][-1], 0.01 * found["kinetic"][0])
+        self.draw(ours.path, "--minus", theirs.path)
+        self.assertTrue((self.path / f"{ours.path.stem}_minus_{theirs.path.stem}.png").is_file())
+
+    def test_steps_above_the_limit_are_refused(self):
+        run = self.run_file("long", STEPS.replace("dt_max = 4e-3", "dt_max = 8e-2").replace("end = 0.16", "end = 8"), model=self.beam, law="neo-hookean")
+        done = subprocess.run([SOURCE / "scripts" / "solve_kratos.py", self.beam, run, "-o", self.path], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 4, done.stderr)
+        self.assertRegex(done.stderr, "smaller dt_max")
+        self.assertFalse((self.path / "long_kratos.h5").exists())
 
 
 class ForeignResultsTest(Case):
@@ -217,12 +271,7 @@ class ForeignResultsTest(Case):
         edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
         self.assertTrue((np.unique(edges, axis=0, return_counts=True)[1] == 2).all())
         self.assertLessEqual(np.linalg.norm(np.subtract(*vertices[edges.T]), axis=1).max(), min(model.span_size()) / 2)
-        done = subprocess.run(
-            [SOURCE / "scripts" / "render.py", ours.path, "--minus", path, "-o", self.path],
-            capture_output=True,
-            text=True,
-        )
-        self.assertEqual(done.returncode, 0, done.stderr)
+        self.draw(ours.path, "--minus", path)
         self.assertTrue((self.path / f"{ours.path.stem}_minus_again.png").stat().st_size > 10_000)
 
     def test_wrong_coefficients_are_refused_and_leave_nothing(self):
@@ -279,6 +328,29 @@ class ForeignResultsTest(Case):
         run.write_text(text.replace("rho = 2.0", 'law = "j2"', 1))
         with self.assertRaisesRegex(RunError, "line 6: .*j2"):
             RunFile(run, "nonlinear")
+
+    def test_keys_of_explicit_runs_that_kratos_cannot_follow_are_refused_with_their_line(self):
+        text = STEPS.format(model=self.beam, law="neo-hookean")
+        run = self.path / "refused.toml"
+        for line, before, after, reason in (
+            (1, "gravity = [0, -2, 0]", "gravity = 9.81", "3 numbers"),
+            (6, 'light_functions = "none"', 'light_functions = "linear"', "igasolve's own"),
+            (6, 'light_functions = "none"', 'mass = "two-pass"', "lumped"),
+            (8, "neo-hookean", "j2", "st-venant-kirchhoff"),
+            (9, "E = 1000.0", "E = 1000.0\nbulk_viscosity = [1.5, 0.06]", "not given this"),
+            (16, "factor = [[0, 0], [0.08, 1], [0.12, 0.5]]", "factor = [[0, 0], [0, 1]]", "ascend"),
+            (19, "pressure = 2", "pressure = 2\nfollows = true", "not given this"),
+            (21, "dt_max = 4e-3", "", "equal steps"),
+        ):
+            with self.subTest(after), self.assertRaisesRegex(RunError, f"line {line}: .*{reason}|line {line + 1}: .*{reason}"):
+                run.write_text(text.replace(before, after, 1))
+                open_run(run)
+        run.write_text(text.replace("[time]", "[[contacts]]\nself = \"beam\"\n[time]"))
+        with self.assertRaisesRegex(RunError, "line 21: contacts"):
+            open_run(run)
+        run.write_text(text)
+        smooth = [open_run(run).factor(0, time) for time in (-1, 0, 0.02, 0.04, 0.08, 0.1, 0.12, 9)]
+        np.testing.assert_allclose(smooth, [0, 0, 0.15625, 0.5, 1, 0.75, 0.5, 0.5], atol=1e-15)
 
 
 if __name__ == "__main__":

@@ -147,7 +147,7 @@ class System:
     def gather(self):
         """Assembles what does not change: stiffness and right-hand side of supports, forces of loads."""
         n = 3 * len(self.model["/functions/number"])
-        self.K_s, self.b_s, self.f = sparse.csr_matrix((n, n)), np.zeros(n), np.zeros(n)
+        self.K_s, self.b_s, self.forces = sparse.csr_matrix((n, n)), np.zeros(n), []
         for support in self.supports:
             K, b = self.by_us.get(support["part"]) or self.body.assemble(support["part"])
             self.K_s, self.b_s = self.K_s + K, self.b_s + b
@@ -158,7 +158,8 @@ class System:
                 raise SolverError(
                     f"load '{load['name']}': Kratos' forces add up to {force.reshape(-1, 3).sum(0)}, expected {load['force']}"
                 )
-            self.f += force
+            self.forces.append(force)
+        self.f = sum(self.forces, np.zeros(n))
 
     def solve(self, K, b):
         """Coefficients of functions from K and b of functions."""

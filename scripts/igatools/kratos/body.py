@@ -15,6 +15,7 @@ from KratosMultiphysics import scipy_conversion_tools
 
 from igatools import iga_model
 
+OF_STEPS = (KM.VELOCITY, KM.ACCELERATION, KM.FORCE_RESIDUAL, KM.RESIDUAL_VECTOR, structural.MIDDLE_VELOCITY, structural.POINT_LOAD)
 DERIVATIVES = 2  # of shape functions: Kratos takes no other number
 LAWS = {
     "linear-elastic": ("SmallDisplacementElement3D8N", structural.LinearElastic3DLaw),
@@ -43,15 +44,15 @@ def gauss_points(model, span):
 
 class Body:
     """Nodes: one for each entry of /functions, in its order, number 1 the first. Parts of the model part ("stiffness", "mass", and one for
-    each support and load) are assembled alone by assemble()."""
+    each support and load) are assembled alone by assemble(). `steps`: nodes have what Kratos' explicit scheme needs."""
 
-    def __init__(self, model, E, nu, law="linear-elastic"):
+    def __init__(self, model, E, nu, law="linear-elastic", steps=False):
         self.model = model
         KM.Logger.GetDefaultOutput().SetSeverity(KM.Logger.Severity.WARNING)
         self._kratos = KM.Model()
         self.root = self._kratos.CreateModelPart("solid")
         self.root.ProcessInfo[KM.DOMAIN_SIZE] = 3
-        for variable in (KM.DISPLACEMENT, KM.REACTION, KM.VOLUME_ACCELERATION):
+        for variable in (KM.DISPLACEMENT, KM.REACTION, KM.VOLUME_ACCELERATION, *(OF_STEPS if steps else ())):
             self.root.AddNodalSolutionStepVariable(variable)
         for number, x in enumerate(model.control_points(model["/functions/number"]), 1):
             self.root.CreateNewNode(number, *map(float, x))
@@ -61,12 +62,20 @@ class Body:
         element, constitutive = LAWS[law]
         properties = self.new_properties({KM.YOUNG_MODULUS: E, KM.POISSON_RATIO: nu, KM.DENSITY: 1.0})
         properties.SetValue(KM.CONSTITUTIVE_LAW, constitutive())
+        self.properties = properties
         part, offsets = self.part("stiffness"), model["/quadrature/offsets"]
         for cell in np.flatnonzero(np.diff(offsets)):
             here = slice(offsets[cell], offsets[cell + 1])
             geometry = self.geometry(cell, model["/quadrature/parameters"][here], model.weights[here])
             self._entities += 1
             part.CreateNewElement(element, self._entities, geometry, properties)
+
+    def part_of(self, name):
+        return self._kratos[f"solid.{name}"]
+
+    def next_entity(self):
+        """Number that no element and no condition has, nor any after it."""
+        return self._entities + 1
 
     def part(self, name):
         part = self.root.CreateSubModelPart(name)
@@ -179,7 +188,7 @@ class Body:
         A, b = self._strategy.GetSystemMatrix(), self._strategy.GetSystemVector()
         space.SetToZeroMatrix(A)
         space.SetToZeroVector(b)
-        self._builder.Build(self._scheme, self._kratos[f"solid.{name}"], A, b)
+        self._builder.Build(self._scheme, self.part_of(name), A, b)
         return scipy_conversion_tools.to_csr(A)[self._rows][:, self._rows], np.array(b)[self._rows]
 
     def displace(self, u):

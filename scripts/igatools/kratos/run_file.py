@@ -9,6 +9,7 @@ import numpy as np
 from igatools.choices import chosen_pieces, snap_length
 from igatools.run_files import LOAD_KINDS
 
+LARGE = ("nonlinear", "explicit")  # analyses at large displacement
 LAWS = ("st-venant-kirchhoff", "neo-hookean")
 SURFACE = {"region", "box", "plane", "normal", "whole_surface"}
 HARMLESS = {"", "output", "units", "unit_system", "results"}  # no number depends on them
@@ -49,17 +50,23 @@ class RunError(Exception):
     """The user can mend it."""
 
 
+def read_toml(path):
+    """Text and tables of a run file. Raises RunError."""
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+        return text, tomllib.loads(text)
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise RunError(f"{path}: cannot be read as a run file ({error})") from error
+
+
 class RunFile:
     """A run file read for one analysis: model (path), E, nu, rho, law, supports, loads, probes (the file's tables), modes,
     steps, tolerance, max_iterations. Raises RunError naming the line."""
 
+    heads = {}  # heads that tables have in the file, where they are not the names of `data`
+
     def __init__(self, path, analysis=None):
-        self.path = Path(path)
-        try:
-            self.text = self.path.read_text(encoding="utf-8")
-            self.data = tomllib.loads(self.text)
-        except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-            raise RunError(f"{path}: cannot be read as a run file ({error})") from error
+        self.path, (self.text, self.data) = Path(path), read_toml(path)
         self.analysis = analysis or next((name for name in ("nonlinear", "eigen") if name in self.data), "static")
         self._check_keys()
         self._read_material()
@@ -80,7 +87,7 @@ class RunFile:
     def line(self, table, number, key):
         """Number, from 1, of the line that holds a key of the `number`-th table of a name; of the table's head where the key stands
         in it in one line, or nowhere."""
-        current, count, head = "", {}, 1
+        current, count, head, table = "", {}, 1, self.heads.get(table, table)
         for at, text in enumerate(self.text.splitlines(), 1):
             found = re.match(r"\s*\[\[?\s*([^\]\s]+)\s*\]", text)
             if found:
@@ -97,9 +104,9 @@ class RunFile:
 
     def refuse(self, table, number, key, why):
         where = (
-            f"[{table}]: "
+            f"[{self.heads.get(table, table)}]: "
             if table in self.data and isinstance(self.data[table], dict)
-            else f"[[{table}]]: " if table else ""
+            else f"[[{self.heads.get(table, table)}]]: " if table else ""
         )
         raise RunError(f"{self.path}, line {self.line(table, number, key)}: {where}{key}: {why}")
 
@@ -156,13 +163,13 @@ class RunFile:
     def _read_material(self):
         self.E, self.nu = self._number("material", "E"), self._number("material", "nu")
         self.rho = self._number("material", "rho", 0.0)
-        self.law = self.data["material"].get("law", "neo-hookean") if self.analysis == "nonlinear" else "linear-elastic"
+        self.law = self.data["material"].get("law", "neo-hookean") if self.analysis in LARGE else "linear-elastic"
         if not (self.E > 0 and -1 < self.nu < 0.5):
             self.refuse("material", 0, "E", f"E = {self.E:g}, nu = {self.nu:g}: expected E > 0 and -1 < nu < 0.5")
-        if self.analysis == "nonlinear" and self.law not in LAWS:
+        if self.analysis in LARGE and self.law not in LAWS:
             self.refuse("material", 0, "law", f'found "{self.law}", expected one of {", ".join(LAWS)}')
-        if self.analysis == "eigen" and not self.rho > 0:
-            self.refuse("material", 0, "rho", "modes need a density above 0")
+        if self.analysis in ("eigen", "explicit") and not self.rho > 0:
+            self.refuse("material", 0, "rho", "modes and motion need a density above 0")
 
     def _check_support(self, k, support):
         method = support.get("method", "penalty" if self.analysis == "nonlinear" else "nitsche")
@@ -271,3 +278,4 @@ class RunFile:
                 kind, number, next(iter(SURFACE & table.keys())), f"holds no surface; regions: {', '.join(names)}"
             )
         return points
+

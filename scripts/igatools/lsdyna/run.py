@@ -3,9 +3,8 @@
 import tomllib
 from pathlib import Path
 
-import numpy as np
-
 from igatools.lsdyna.cards import DeckError
+from igatools.run_files import read_curve, smooth_pieces
 
 # Keys that the deck holds; those of LEFT_OUT are named in the deck, all others refused.
 KEYS = {
@@ -198,13 +197,7 @@ class Run:
             return [(0.0, float(value)), (2 * end, float(value))]
         points = [tuple(map(float, pair)) for pair in value] if isinstance(value, list) else self._read_curve(value)
         if smooth:
-            s = np.linspace(0, 1, SMOOTH, endpoint=False)
-            fine = [
-                (a + t * (b - a), fa + t * t * (3 - 2 * t) * (fb - fa))
-                for (a, fa), (b, fb) in zip(points, points[1:])
-                for t in s
-            ]
-            points = [*fine, points[-1]]
+            points = smooth_pieces(points, SMOOTH)
         if points[0][0] > 0:
             points = [(0.0, points[0][1]), *points]
         return [*points, (points[-1][0] + 2 * end, points[-1][1])]
@@ -214,14 +207,7 @@ class Run:
         return [tuple(map(float, pair)) for pair in value] if isinstance(value, list) else self._read_curve(value)
 
     def _read_curve(self, name):
-        path = self.path.parent / name
-        rows = [
-            line.partition("#")[0].replace(",", " ").replace(";", " ").split() for line in path.read_text().splitlines()
-        ]
         try:
-            points = [(float(x), float(y)) for x, y in (row for row in rows if row)]
+            return read_curve(self.path.parent / name)
         except ValueError as error:
-            raise DeckError(f"{path}: {error}; expected two columns of numbers") from error
-        if not points or any(b[0] <= a[0] for a, b in zip(points, points[1:])):
-            raise DeckError(f"{path}: expected rows whose first column ascends")
-        return points
+            raise DeckError(error) from error
