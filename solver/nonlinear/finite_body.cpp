@@ -1,10 +1,12 @@
 #include "solver/nonlinear/finite_body.hpp"
 
 #include "format/model/errors.hpp"
+#include "solver/nonlinear/mean_volume.hpp"
 
 #include <algorithm>
 #include <cstring>
 #include <fmt/format.h>
+#include <limits>
 #include <tbb/enumerable_thread_specific.h>
 
 namespace iga::solve {
@@ -34,15 +36,28 @@ struct FiniteBody::Work {
   SpanPoints points;
   std::size_t count = 0, nodes = 0;
   Eigen::MatrixXd H;             // (points × 9): ∂u_a/∂X_A in column 3 a + A
-  Eigen::MatrixXd P;             // (points × 9), times the weight
-  Eigen::MatrixXd A;             // (points × 81), times the weight
+  Eigen::MatrixXd P;             // (points × 9)
+  Eigen::MatrixXd A;             // (points × 81)
   Eigen::MatrixXd local, forces; // (nodes × 3)
   Eigen::MatrixXd stacked;       // (3 points × nodes)
   Eigen::MatrixXd product, block;
   std::vector<Lanes> history;
+  MeanVolume volume; // with F-bar
+  MeanVolume::Linear linear;
   // Column i holds ∂N_i/∂X_A of all points, A after A.
   Eigen::Map<const Eigen::MatrixXd> gradients() const {
     return {shapes.gradients.data(), static_cast<Eigen::Index>(3 * count), static_cast<Eigen::Index>(nodes)};
+  }
+  Eigen::Map<const Eigen::VectorXd> weights() const {
+    return {points.weights.data(), static_cast<Eigen::Index>(count)};
+  }
+  // ∫ T : ∂N_i/∂X of weighted point values T (points × 9): (nodes × 3) in `forces`.
+  void integrate(const Eigen::MatrixXd& T) {
+    const auto Q = static_cast<Eigen::Index>(count);
+    product.resize(3 * Q, 3);
+    for (Eigen::Index d = 0; d < 3; ++d)
+      for (Eigen::Index c = 0; c < 3; ++c) product.block(d * Q, c, Q, 1) = T.col(3 * c + d);
+    forces.noalias() = gradients().transpose() * product;
   }
 };
 
@@ -54,8 +69,10 @@ double smallest_side(const Point3& h) {
 
 } // namespace
 
-FiniteBody::FiniteBody(const SolutionSpace& space, const Law& law, std::shared_ptr<const Connectivity> connectivity)
-    : space_(&space), law_(law, smallest_side(space.model().grid.span_size())), connectivity_(std::move(connectivity)) {
+FiniteBody::FiniteBody(const SolutionSpace& space, const Law& law, std::shared_ptr<const Connectivity> connectivity,
+                       Locking locking)
+    : space_(&space), law_(law, smallest_side(space.model().grid.span_size())), connectivity_(std::move(connectivity)),
+      locking_(locking) {
   SpanPointStorage storage;
   first_block_.push_back(0);
   for (std::int64_t a = 0; a < space.num_cells(); ++a) {
@@ -92,9 +109,11 @@ void FiniteBody::gather(const Eigen::VectorXd& u, std::int64_t a, Work& work) co
   work.H.resize(Q, 9);
   for (Eigen::Index d = 0; d < 3; ++d)
     for (Eigen::Index c = 0; c < 3; ++c) work.H.col(3 * c + d) = work.product.block(d * Q, c, Q, 1);
+  if (locking_ == Locking::FBar) work.volume.set(work.points.weights, work.H);
 }
 
-// visit(block, first point, number of points, F, F_old): lanes beyond the last point are untouched.
+// visit(block, first point, number of points, F, F_old), with F as the law sees it: lanes beyond the last point are
+// untouched.
 template <class Visit> void FiniteBody::for_blocks(std::int64_t a, const Work& work, Visit&& visit) const {
   const std::int64_t first = first_block_[static_cast<std::size_t>(a)],
                      last = first_block_[static_cast<std::size_t>(a) + 1];
@@ -105,8 +124,11 @@ template <class Visit> void FiniteBody::for_blocks(std::int64_t a, const Work& w
     for (std::size_t k = 0; k < 9; ++k) {
       F.c[k] = Lanes{} + (k % 4 == 0 ? 1.0 : 0.0);
       F_old.c[k] = F_old_.empty() ? F.c[k] : F_old_[9 * static_cast<std::size_t>(b) + k];
-      for (std::size_t l = 0; l < count; ++l)
-        F.c[k][l] += work.H(static_cast<Eigen::Index>(q0 + l), static_cast<Eigen::Index>(k));
+      for (std::size_t l = 0; l < count; ++l) {
+        const auto q = static_cast<Eigen::Index>(q0 + l);
+        F.c[k][l] += work.H(q, static_cast<Eigen::Index>(k));
+        if (locking_ == Locking::FBar) F.c[k][l] *= work.volume.scale(q);
+      }
     }
     visit(static_cast<std::size_t>(b), q0, count, F, F_old);
   }
@@ -132,16 +154,18 @@ PointsReport FiniteBody::add_forces(const Eigen::VectorXd& u, Eigen::VectorXd& f
           const LaneMask inverted = law_.stress(F, F_old, work.history.data(), P, J);
           for (std::size_t l = 0; l < count; ++l) {
             const auto q = static_cast<Eigen::Index>(q0 + l);
-            for (std::size_t k = 0; k < 9; ++k)
-              work.P(q, static_cast<Eigen::Index>(k)) = work.points.weights[q0 + l] * P.c[k][l];
-            report.min_J = std::min(report.min_J, J[l]);
+            for (std::size_t k = 0; k < 9; ++k) work.P(q, static_cast<Eigen::Index>(k)) = P.c[k][l];
+            report.min_J = std::min(report.min_J, locking_ == Locking::FBar ? work.volume.J(q) : J[l]);
             report.inverted += inverted[l] != 0 ? 1 : 0;
           }
         });
-    work.product.resize(3 * Q, 3);
-    for (Eigen::Index d = 0; d < 3; ++d)
-      for (Eigen::Index c = 0; c < 3; ++c) work.product.block(d * Q, c, Q, 1) = work.P.col(3 * c + d);
-    work.forces.noalias() = work.gradients().transpose() * work.product;
+    if (locking_ == Locking::FBar) {
+      work.volume.to_stress(work.P);
+      // No state of a body: Newton's method takes a shorter step.
+      if (work.volume.crushed()) work.P.setConstant(std::numeric_limits<double>::quiet_NaN());
+    }
+    work.P = work.weights().asDiagonal() * work.P;
+    work.integrate(work.P);
     const auto nodes = space_->nodes(a);
     for (Eigen::Index i = 0; i < n; ++i)
       f.segment<3>(3 * static_cast<Eigen::Index>(nodes[static_cast<std::size_t>(i)])) += work.forces.row(i).transpose();
@@ -165,15 +189,26 @@ void FiniteBody::add_tangent(const Eigen::VectorXd& u, Tangent& A) const {
     const auto Q = static_cast<Eigen::Index>(work.count), n = static_cast<Eigen::Index>(work.nodes);
     const auto per_block = static_cast<std::size_t>(law_.history());
     work.A.resize(Q, 81);
-    for_blocks(a, work,
-               [&](std::size_t b, std::size_t q0, std::size_t count, const TensorLanes& F, const TensorLanes& F_old) {
-                 TangentLanes tangent;
-                 law_.tangent(F, F_old, per_block > 0 ? &history_[per_block * b] : nullptr, tangent);
-                 for (std::size_t k = 0; k < 81; ++k)
-                   for (std::size_t l = 0; l < count; ++l)
-                     work.A(static_cast<Eigen::Index>(q0 + l), static_cast<Eigen::Index>(k)) =
-                         work.points.weights[q0 + l] * tangent.c[k][l];
-               });
+    work.P.resize(Q, 9);
+    work.history.resize(per_block + 1);
+    for_blocks(
+        a, work, [&](std::size_t b, std::size_t q0, std::size_t count, const TensorLanes& F, const TensorLanes& F_old) {
+          TangentLanes tangent;
+          law_.tangent(F, F_old, per_block > 0 ? &history_[per_block * b] : nullptr, tangent);
+          for (std::size_t k = 0; k < 81; ++k)
+            for (std::size_t l = 0; l < count; ++l)
+              work.A(static_cast<Eigen::Index>(q0 + l), static_cast<Eigen::Index>(k)) = tangent.c[k][l];
+          if (locking_ == Locking::None) return;
+          std::copy_n(history_.begin() + static_cast<std::ptrdiff_t>(per_block * b), per_block, work.history.begin());
+          TensorLanes P;
+          Lanes J;
+          law_.stress(F, F_old, work.history.data(), P, J);
+          for (std::size_t k = 0; k < 9; ++k)
+            for (std::size_t l = 0; l < count; ++l)
+              work.P(static_cast<Eigen::Index>(q0 + l), static_cast<Eigen::Index>(k)) = P.c[k][l];
+        });
+    if (locking_ == Locking::FBar) work.volume.to_tangent(work.P, work.A, work.linear);
+    work.A = work.weights().asDiagonal() * work.A;
     const auto G = work.gradients();
     work.stacked.resize(3 * Q, n);
     work.block.resize(3 * n, 3 * n);
@@ -193,8 +228,24 @@ void FiniteBody::add_tangent(const Eigen::VectorXd& u, Tangent& A) const {
             if (law_.is_symmetric()) work.block(3 * j + b, 3 * i + c) = work.product(i, j);
           }
       }
+    if (locking_ == Locking::FBar) add_coupling(work);
     A.add(space_->nodes(a), work.block);
   });
+}
+
+// What the mean couples over the cell: D = ∫ cof F : ∂F/∂u, and L and R likewise of V and R. Then V dθ gives L Dᵀ / v,
+// the mean of the stress D (Rᵀ + c Dᵀ) / v.
+void FiniteBody::add_coupling(Work& work) const {
+  const Eigen::Index n = 3 * static_cast<Eigen::Index>(work.nodes);
+  const auto integral = [&](const Eigen::MatrixXd& T) {
+    work.integrate(work.weights().asDiagonal() * T);
+    Eigen::VectorXd all(n);
+    for (Eigen::Index i = 0; i < work.forces.rows(); ++i) all.segment<3>(3 * i) = work.forces.row(i).transpose();
+    return all;
+  };
+  const Eigen::VectorXd D = integral(work.volume.cofactors()), L = integral(work.linear.V), R = integral(work.linear.R);
+  work.block.noalias() += ((L + work.linear.c * D) / work.volume.volume()) * D.transpose();
+  work.block.noalias() += (D / work.volume.volume()) * R.transpose();
 }
 
 void FiniteBody::keep(const Eigen::VectorXd& u) {
@@ -212,6 +263,21 @@ void FiniteBody::keep(const Eigen::VectorXd& u) {
       for (std::size_t k = 0; k < 9 && !F_old_.empty(); ++k) F_old_[9 * b + k] = F.c[k];
     });
   });
+}
+
+std::vector<double> FiniteBody::scales(const Eigen::VectorXd& u) const {
+  std::vector<double> all;
+  if (locking_ == Locking::None) return all;
+  all.assign(space_->model().points.weights.size(), 1);
+  tbb::enumerable_thread_specific<Work> works;
+  tbb::parallel_for(std::int64_t{0}, space_->num_cells(), [&](std::int64_t a) {
+    Work& work = works.local();
+    gather(u, a, work);
+    const std::int64_t* point = &point_[lanes * static_cast<std::size_t>(first_block_[static_cast<std::size_t>(a)])];
+    for (std::size_t q = 0; q < work.count; ++q)
+      if (point[q] >= 0) all[static_cast<std::size_t>(point[q])] = work.volume.scale(static_cast<Eigen::Index>(q));
+  });
+  return all;
 }
 
 namespace {

@@ -26,12 +26,19 @@ struct PointsReport {
   std::int64_t inverted = 0; ///< points below the law's min_volume_ratio
 };
 
+/// Against volumetric locking: which volume ratios the law sees.
+enum class Locking {
+  None, ///< those of the points
+  FBar  ///< the mean of each cell: MeanVolume
+};
+
 /// f_i = ∫ P(F) ∂N_i/∂X dV with F = I + ∂u/∂X. Laws with a history go from the last state that was kept straight to the
 /// present F. Vectors (num_unknowns), the part's frame. The same bits for any number of threads.
 class FiniteBody {
  public:
   /// Space and connectivity (of this space alone) must outlive the body.
-  FiniteBody(const SolutionSpace& space, const Law& law, std::shared_ptr<const Connectivity> connectivity);
+  FiniteBody(const SolutionSpace& space, const Law& law, std::shared_ptr<const Connectivity> connectivity,
+             Locking locking = Locking::None);
 
   const SolutionSpace& space() const { return *space_; }
   const StaticLaw& law() const { return law_; }
@@ -42,6 +49,8 @@ class FiniteBody {
   void add_tangent(const Eigen::VectorXd& u, Tangent& A) const;
   /// The points' history moves on to u: a converged step.
   void keep(const Eigen::VectorXd& u);
+  /// (model's points) the law sees these times F; empty where it sees F.
+  std::vector<double> scales(const Eigen::VectorXd& u) const;
 
   /// As explicit runs have it, blocks of eight points; `point` numbers them in the model, -1 for none.
   PointHistory save() const;
@@ -51,11 +60,13 @@ class FiniteBody {
  private:
   struct Work;
   void gather(const Eigen::VectorXd& u, std::int64_t a, Work& work) const;
+  void add_coupling(Work& work) const;
   template <class Visit> void for_blocks(std::int64_t a, const Work& work, Visit&& visit) const;
 
   const SolutionSpace* space_;
   StaticLaw law_;
   std::shared_ptr<const Connectivity> connectivity_;
+  Locking locking_;
   std::vector<std::int64_t> first_block_; ///< (num_cells + 1)
   std::vector<std::int64_t> point_;       ///< (8 blocks)
   std::vector<Lanes> history_;            ///< (blocks × history of the law)

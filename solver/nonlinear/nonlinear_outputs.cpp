@@ -122,8 +122,9 @@ void NonlinearOutputs::record_contacts(TimeSeries& t) const {
 void NonlinearOutputs::write_fields() {
   const std::size_t step = results_.fields->times.size();
   const FiniteBody& body = statics_.body();
-  const std::vector<BodyFields> fields{
-      sampler_.sample(body.space().expand(statics_.displacement()), body.save(), body.point(), run_.points)};
+  const std::vector<BodyFields> fields{sampler_.sample(body.space().expand(statics_.displacement()), body.save(),
+                                                       body.point(), run_.points,
+                                                       body.scales(statics_.displacement()))};
   io::write_fields(folder_ / io::field_file(path_, step), statics_.factor(), fields);
   results_.fields->times.push_back(statics_.factor());
   results_.fields->files.push_back(io::field_file(path_, step));

@@ -49,7 +49,8 @@ std::vector<std::string> step_warnings(const NonlinearRun& run, double span_size
           fmt::format("contact '{}': the largest pressure, at ({:.4g}, {:.4g}, {:.4g}), is {:.2g} E, more than "
                       "metal bears: pressure oscillates where metal flows without change of volume and "
                       "sticks to a tool, and forces are not to be relied upon; less friction, smaller spans",
-                      run.contacts[c].name, r.deepest[0], r.deepest[1], r.deepest[2], share));
+                      run.contacts[c].name, r.deepest[0], r.deepest[1], r.deepest[2], share,
+                      run.locking == Locking::None ? ", or locking = \"fbar\"" : ""));
     if (r.depth <= run.depth_warning * span_size) continue;
     all.push_back(fmt::format("contact '{}': the part sinks {:.2g} spans into the tool at the load factor {:.5g}, at "
                               "({:.4g}, {:.4g}, {:.4g}); a larger stiffness than {:g} or smaller spans",
@@ -68,6 +69,9 @@ std::string nonlinear_text(const NonlinearOutcome& o) {
               space.num_unknowns());
   report.line("", "{} of {} functions light: {}", space.num_light(), space.model().num_unknowns(),
               name_of(space.treatment().remedy));
+  if (o.run.locking == Locking::FBar)
+    report.line("",
+                "F-bar: the law sees one volume ratio per cell, the mean (locking = \"none\": those of the points)");
   report.row("");
   report.row("  {:>12}  {:>10}  {:>5}  {:>9}  {:>14}", "load factor", "iterations", "cuts", "residual",
              "smallest det F");
@@ -166,7 +170,8 @@ std::string nonlinear_json(const NonlinearOutcome& o) {
   io::JsonObject report, spans, timings;
   spans.add("interior", summary.interior).add("trimmed", summary.trimmed);
   for (const auto& [stage, seconds] : o.timings) timings.add(stage, seconds);
-  report.add("model", o.run.model.string()).add("law", o.run.material.name).add("degree", space.model().grid.degree());
+  report.add("model", o.run.model.string()).add("law", o.run.material.name);
+  report.add("locking", o.run.locking == Locking::FBar ? "fbar" : "none").add("degree", space.model().grid.degree());
   report.add("spans", spans).add("points", space.model().points.weights.size()).add("unknowns", space.num_unknowns());
   report.add("factor", o.statics.factor()).add("steps", steps).add("load_force", o.statics.load_force());
   report.add("supports", supports).add("probes", probes).add("internal_work", o.statics.internal_work());

@@ -54,6 +54,27 @@ LightTreatment read_light(io::SettingsTable& root) {
   return light;
 }
 
+// Above this Poisson's ratio an elastic law is nearly incompressible.
+constexpr double nearly_incompressible = 0.49;
+
+Locking read_locking(io::SettingsTable& root, const Law& law) {
+  const std::array<std::string, 2> names{"none", "fbar"};
+  constexpr std::array treatments{Locking::None, Locking::FBar};
+  const bool small_strains = std::holds_alternative<LinearElastic>(law);
+  if (const auto name = root.text("locking")) {
+    const Locking locking = treatments[choose(root, "locking", *name, names)];
+    if (locking == Locking::FBar && small_strains)
+      refuse(root, "locking",
+             "found \"fbar\", expected \"none\": linear-elastic is a law of small strains, whose volume is not det F; "
+             "take neo-hookean");
+    return locking;
+  }
+  if (!std::holds_alternative<NeoHookean>(law) && !std::holds_alternative<StVenantKirchhoff>(law)) return Locking::None;
+  const ElasticMaterial material = small_strain(law);
+  const double lambda = material.C(0, 1), mu = material.C(3, 3); // ν = λ / (2 (λ + μ))
+  return lambda >= 2 * nearly_incompressible * (lambda + mu) ? Locking::FBar : Locking::None;
+}
+
 void refuse_body(io::SettingsTable& table) {
   if (table.holds("body")) refuse(table, "body", "there is one body; leave it out");
   table.expect("body");
@@ -198,14 +219,15 @@ void read_results(io::SettingsTable& root, NonlinearRun& run) {
 } // namespace
 
 std::vector<io::TableKeys> nonlinear_keys() {
-  std::vector<io::TableKeys> keys{
-      {"", {"model", "output", "units", "unit_system", "materials", "material", "light_functions", "light_threshold"}},
-      {"material", material_keys()},
-      {"nonlinear", {"steps", "tolerance", "max_iterations", "smallest_step"}},
-      {"results", {"subdivide", "viewer", "points"}},
-      {"load", {"follower"}},
-      {"contacts", {"rough"}},
-      {"watch", {"depth_warning"}}};
+  std::vector<io::TableKeys> keys{{"",
+                                   {"model", "output", "units", "unit_system", "materials", "material",
+                                    "light_functions", "light_threshold", "locking"}},
+                                  {"material", material_keys()},
+                                  {"nonlinear", {"steps", "tolerance", "max_iterations", "smallest_step"}},
+                                  {"results", {"subdivide", "viewer", "points"}},
+                                  {"load", {"follower"}},
+                                  {"contacts", {"rough"}},
+                                  {"watch", {"depth_warning"}}};
   for (const auto& more : {tool_keys(), static_keys()}) keys.insert(keys.end(), more.begin(), more.end());
   return keys;
 }
@@ -230,6 +252,7 @@ NonlinearRun read_nonlinear_run(const std::filesystem::path& file) {
   read_tools(root, run);
   read_material(root, run);
   run.light = read_light(root);
+  run.locking = read_locking(root, run.material.law);
   read_newton(root, run);
   read_results(root, run);
   for (const Support& support : run.supports)

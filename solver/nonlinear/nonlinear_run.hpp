@@ -37,6 +37,7 @@ struct NonlinearRun {
   MaterialSettings material{.law = NeoHookean{}, .inversion = {}, .name = {}, .warnings = {}};
   std::optional<MaterialWords> words; ///< of a material by name
   LightTreatment light;
+  Locking locking = Locking::None;
   std::vector<Support> supports;
   std::vector<NonlinearLoad> loads;
   std::vector<Probe> probes;

@@ -47,8 +47,14 @@ void need_flat(const PreparedSupport& prepared) {
 NonlinearStatics::NonlinearStatics(const NonlinearRun& run, const SolutionSpace& space)
     : space_(&space), settings_(run.newton), small_strain_(small_strain(run.material.law)),
       connectivity_(std::make_shared<const Connectivity>(space)),
-      body_(std::make_unique<FiniteBody>(space, run.material.law, connectivity_)), holding_(connectivity_),
+      body_(std::make_unique<FiniteBody>(space, run.material.law, connectivity_, run.locking)), holding_(connectivity_),
       probes_(run.probes), places_(locate_probes(space.model(), run.probes)) {
+  // A unit in the last place of F, taken as stress on a face of a span, at every node: small loads on nearly
+  // incompressible parts leave no more of the residual.
+  const Point3 h = space.model().grid.span_size();
+  const double face = h[0] * h[1] * h[2] / std::ranges::min(h);
+  stress_rounding_ = 2 * std::numeric_limits<double>::epsilon() * small_strain_.C(0, 0) * face *
+                     std::sqrt(static_cast<double>(space.num_unknowns()));
   add_loads(run);
   add_supports(run);
   add_contacts(run);
@@ -127,7 +133,7 @@ NonlinearStatics::Residual NonlinearStatics::residual(const Eigen::VectorXd& u, 
   found.external = loads + held;
   found.r = found.external + touched - found.internal;
   found.size = std::max({loads.norm(), held.norm(), touched.norm(), found.internal.norm()});
-  found.rounding = 64 * std::numeric_limits<double>::epsilon() * (pull.norm() + found.size);
+  found.rounding = 64 * std::numeric_limits<double>::epsilon() * (pull.norm() + found.size) + stress_rounding_;
   return found;
 }
 

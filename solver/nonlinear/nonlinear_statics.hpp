@@ -105,7 +105,8 @@ class NonlinearStatics {
   ElasticMaterial small_strain_;
   std::shared_ptr<const Connectivity> connectivity_;
   std::unique_ptr<FiniteBody> body_;
-  StiffnessMatrix holding_; ///< of the supports
+  double stress_rounding_ = 0; ///< what rounding of F leaves of the residual, force
+  StiffnessMatrix holding_;    ///< of the supports
   SupportTerms supports_;
   Eigen::VectorXd dead_; ///< loads that keep direction and place
   std::vector<FollowerPressure> pressures_;

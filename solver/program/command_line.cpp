@@ -89,6 +89,7 @@ const char* const nonlinear_footer =
     R"(Example of a run file; all keys: solver/nonlinear/README.md. Paths are relative to its folder.
   model = "beam.h5"                        # made by igaprep
   material = { law = "neo-hookean", E = 210e3, nu = 0.3 }
+  locking = "none"                         # "fbar", the default for rubber: metal that flows far, too
   [[support]]                              # as in static runs, all held by penalty; values grow with the load factor
   plane = { point = [0, 0, 0], normal = [1, 0, 0] }
   [[load]]                                 # dead; a pressure follows the surface unless follower = false

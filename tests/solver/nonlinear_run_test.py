@@ -56,6 +56,7 @@ rough = true
 [nonlinear]
 steps = 4
 """
+BILLET = 'law = "j2", E = 200, nu = 0.3, yield_stress = 0.5, hardening_modulus = 5'
 
 
 class Nonlinear(unittest.TestCase):
@@ -152,7 +153,39 @@ class Nonlinear(unittest.TestCase):
             (self.path / "wrong.toml").write_text(change(PRESS))
             self.assertIn(word, self.solve("wrong.toml", code=2).stderr)
 
+    def test_locking(self):
+        rubber = RUN.replace('law = "j2"', 'law = "neo-hookean"').replace(", yield_stress = 0.5, hardening_modulus = 5", "")
+        tip = {}
+        for nu, locking, expected in (("0.3", "", "none"), ("0.4999", "", "fbar"), ("0.4999", "none", "none")):
+            text = rubber.replace("nu = 0.3", f"nu = {nu}").replace("units =", f'locking = "{locking}"\nunits =' if locking else "units =")
+            (self.path / "rubber.toml").write_text(text)
+            report = json.loads(self.solve("rubber.toml", "--json").stdout)
+            self.assertEqual(report["locking"], expected)
+            tip[expected] = report["probes"][0]["displacement"][2]
+        self.assertLess(tip["fbar"], 1.3 * tip["none"])  # downwards: what locks is too stiff
+        (self.path / "rubber.toml").write_text(rubber.replace("nu = 0.3", "nu = 0.4999"))
+        self.assertIn("F-bar", self.solve("rubber.toml").stdout)
+
+    def test_contact_goes_on_bit_for_bit(self):
+        hasty = PRESS.replace("steps = 4", "steps = 4\nmax_iterations = 7\nsmallest_step = 0.9")
+        (self.path / "pressed.toml").write_text(hasty.replace('law = "neo-hookean", E = 200, nu = 0.3', BILLET))
+        self.solve("pressed.toml", "-o", "pressed.h5", "--force", code=4)
+        kept = len(iga_results.read(self.path / "pressed.h5")["/time_series/time"])
+        self.assertIn(kept, (1, 2, 3))
+        (self.path / "pressed.toml").write_text(PRESS.replace('law = "neo-hookean", E = 200, nu = 0.3', BILLET))
+        self.solve("pressed.toml", "-o", "pressed.h5", "--restart")
+        self.solve("pressed.toml", "-o", "through.h5", "--force")
+        found, expected = (iga_results.read(self.path / name) for name in ("pressed.h5", "through.h5"))
+        for name in ("contact/ball-part/force", "contact/part-floor/force", "contact/ball-part/area", "rigid/ball/moment", "energy/internal",
+                     "energy/friction", "energy/external"):
+            np.testing.assert_array_equal(found[f"/time_series/{name}"], expected[f"/time_series/{name}"], name)
+        for name in ("coefficients", "von_mises", "plastic_strain"):
+            np.testing.assert_array_equal(found.fields(-1)[f"part/{name}"], expected.fields(-1)[f"part/{name}"], name)
+
     def test_mistakes(self):
+        self.refused(lambda text: text.replace("units =", 'locking = "bbar"\nunits ='), "locking", "fbar")
+        self.refused(lambda text: text.replace("units =", 'locking = "fbar"\nunits =').replace('law = "j2"', 'law = "linear-elastic"')
+                     .replace(", yield_stress = 0.5, hardening_modulus = 5", ""), "wrong.toml:3", "neo-hookean")
         self.refused(lambda text: text.replace("steps = 4", "step = 4"), "wrong.toml:16", "steps")
         self.refused(lambda text: text.replace("force = [0, 0, -0.5]", "moment = [0, 1, 0]"), "wrong.toml:11", "moment")
         self.refused(lambda text: text.replace("force = [0, 0, -0.5]", "traction = [0, 0, -1]\nfollower = true"), "follower", "pressure")

@@ -59,8 +59,9 @@ Eigen::Matrix3d stress(const std::string& law, const Eigen::Matrix3d& F) {
   return mu * F + (lambda * std::log(F.determinant()) - mu) * F.inverse().transpose();
 }
 
-Eigen::VectorXd internal_forces(const SolutionSpace& space, const Law& law, const Eigen::VectorXd& u) {
-  const FiniteBody body(space, law, std::make_shared<const Connectivity>(space));
+Eigen::VectorXd internal_forces(const SolutionSpace& space, const Law& law, const Eigen::VectorXd& u,
+                                Locking locking = Locking::None) {
+  const FiniteBody body(space, law, std::make_shared<const Connectivity>(space), locking);
   Eigen::VectorXd f = Eigen::VectorXd::Zero(u.size());
   body.add_forces(u, f);
   return f;
@@ -122,7 +123,9 @@ TEST(Nonlinear, LargeUniformDeformation) {
               return Point3{force[0], force[1], force[2]};
             },
             report);
-        EXPECT_LT((internal_forces(space, law_of(law), uniform(space, F)) - t).norm(), 1e-10 * t.norm()) << law;
+        for (const Locking locking : {Locking::None, Locking::FBar})
+          EXPECT_LT((internal_forces(space, law_of(law), uniform(space, F), locking) - t).norm(), 1e-10 * t.norm())
+              << law;
       }
   }
 }
@@ -133,7 +136,9 @@ TEST(Nonlinear, QuarterTurnWithoutStress) {
   const Eigen::Matrix3d turn =
       Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d(1, 2, -1).normalized()).toRotationMatrix();
   for (const char* law : {"st-venant", "neo-hookean", "j2", "foam"})
-    EXPECT_LT(internal_forces(space, law_of(law), uniform(space, turn)).cwiseAbs().maxCoeff(), 1e-12 * E) << law;
+    for (const Locking locking : {Locking::None, Locking::FBar})
+      EXPECT_LT(internal_forces(space, law_of(law), uniform(space, turn), locking).cwiseAbs().maxCoeff(), 1e-12 * E)
+          << law;
 }
 
 // -∂r/∂u against central differences along a random direction, following pressure and supports included; where points
@@ -165,6 +170,71 @@ TEST(Nonlinear, TangentIsDerivativeOfResidual) {
         EXPECT_LT((product(A, solved) - difference).norm(), 1e-10 * difference.norm()) << law;
       }
     }
+}
+
+// The same of F-bar, with a nearly incompressible law too; where the law has an energy, so has F-bar: a symmetric
+// tangent.
+TEST(Nonlinear, TangentOfFBarIsDerivativeOfResidual) {
+  const TrimmedModel model = beam(1);
+  const SolutionSpace space(model, usual());
+  const auto connectivity = std::make_shared<const Connectivity>(space);
+  for (const char* name : {"st-venant", "neo-hookean", "rubber", "j2", "foam"}) {
+    const Law law = std::string(name) == "rubber" ? Law(neo_hookean(E, 0.4999, 1)) : law_of(name);
+    const FiniteBody body(space, law, connectivity, Locking::FBar);
+    Eigen::Matrix3d F;
+    if (std::string(name) == "foam")
+      F << 0.7, 0.02, 0, -0.02, 0.75, 0.02, 0.02, 0, 0.8;
+    else
+      F << 0.9, 0.1, 0, -0.1, 1.05, 0.1, 0.1, 0, 1.1;
+    const Eigen::VectorXd u = uniform(space, F) + random_vector(space.num_unknowns(), 0.02, 1);
+    const Eigen::VectorXd v = random_vector(space.num_unknowns(), 1, 2), w = random_vector(space.num_unknowns(), 1, 3);
+    const auto forces = [&](double step) {
+      Eigen::VectorXd f = Eigen::VectorXd::Zero(u.size());
+      EXPECT_EQ(body.add_forces(u + step * v, f).inverted, 0);
+      return f;
+    };
+    constexpr double step = 1e-6;
+    const Eigen::VectorXd difference = (forces(step) - forces(-step)) / (2 * step);
+    Tangent A(connectivity, false);
+    A.set_zero();
+    body.add_tangent(u, A);
+    EXPECT_LT((product(A, v) - difference).norm(), 1e-6 * difference.norm()) << name;
+    if (!body.law().is_symmetric()) continue;
+    EXPECT_NEAR(w.dot(product(A, v)), v.dot(product(A, w)), 1e-10 * w.norm() * difference.norm()) << name;
+  }
+}
+
+// A block of rubber pressed between two held ends: far too stiff at degree 2, with F-bar hardly so at two spans an
+// edge.
+TEST(Nonlinear, RubberDoesNotLock) {
+  const auto force = [](double span_size, Locking locking) {
+    const TrimmedModel model = make_part(box_mesh({0, 0, 0}, {1, 1, 1}), {2, span_size, 0.3, 0, identity_rotation});
+    const SolutionSpace space(model, usual());
+    NonlinearRun run = run_of("neo-hookean");
+    run.material.law = neo_hookean(E, 0.4999, 1);
+    run.locking = locking;
+    run.supports = {clamp(0), clamp(1)};
+    run.supports[1].name = "press";
+    run.supports[1].value = {-0.05, 0, 0};
+    run.newton.steps = 1;
+    NonlinearStatics statics(run, space);
+    statics.advance(1);
+    return statics.support_forces()[0].force[0];
+  };
+  const double locked = force(0.5, Locking::None), coarse = force(0.5, Locking::FBar),
+               fine = force(0.34, Locking::FBar);
+  EXPECT_GT(locked, 2 * fine);
+  EXPECT_NEAR(coarse, fine, 0.02 * fine);
+}
+
+// A cell turned inside out at one point has no F-bar: its forces are no numbers, so that Newton's method steps back.
+TEST(Nonlinear, FBarOfCrushedCells) {
+  const TrimmedModel model = beam(1);
+  const SolutionSpace space(model, usual());
+  Eigen::Matrix3d flat = Eigen::Matrix3d::Identity();
+  flat(0, 0) = -0.1;
+  const Eigen::VectorXd f = internal_forces(space, law_of("neo-hookean"), uniform(space, flat), Locking::FBar);
+  EXPECT_FALSE(f.allFinite());
 }
 
 // The residual falls at least as its power 1.6 per iteration once it is small.

@@ -114,7 +114,7 @@ class RunFile:
         return self.data[kind][number].get("name", f"{kind} {number + 1}")
 
     def _check_keys(self):
-        for key in self.data.keys() - ROOT - OWN[self.analysis].keys() - {"eigen", "nonlinear"}:
+        for key in self.data.keys() - ROOT - ({"locking"} if self.analysis == "nonlinear" else set()) - OWN[self.analysis].keys() - {"eigen", "nonlinear"}:
             self.refuse("", 0, key, "Kratos is not given this here; igasolve can do it")
         for table, keys in (KEYS | OWN[self.analysis]).items():
             if table == "material" and self.analysis == "nonlinear":
@@ -168,6 +168,8 @@ class RunFile:
             self.refuse("material", 0, "E", f"E = {self.E:g}, nu = {self.nu:g}: expected E > 0 and -1 < nu < 0.5")
         if self.analysis in LARGE and self.law not in LAWS:
             self.refuse("material", 0, "law", f'found "{self.law}", expected one of {", ".join(LAWS)}')
+        if self.analysis == "nonlinear" and self.data.get("locking", "fbar" if self.nu >= 0.49 else "none") != "none":
+            self.refuse("material", 0, "nu", 'igasolve takes F-bar here, which Kratos has not; write locking = "none" at the top')
         if self.analysis in ("eigen", "explicit") and not self.rho > 0:
             self.refuse("material", 0, "rho", "modes and motion need a density above 0")
 

@@ -90,9 +90,12 @@ FieldSampler::FieldSampler(const TrimmedModel& model, const std::string& name, c
 }
 
 FieldSampler::PointSamples FieldSampler::sample_points(const Eigen::VectorXd& u, const PointHistory& saved,
-                                                       std::span<const std::int64_t> points) const {
-  const std::vector<double> F = deformation_gradients(space_, u);
+                                                       std::span<const std::int64_t> points,
+                                                       std::span<const double> scales) const {
+  std::vector<double> F = deformation_gradients(space_, u);
   const std::size_t n = F.size() / 9;
+  if (!scales.empty())
+    for (std::size_t k = 0; k < F.size(); ++k) F[k] *= scales[k / 9];
   const LawAccess law = std::visit([](const auto& own) { return access(own); }, law_);
   PointSamples samples{std::vector<double>(6 * n), std::vector<double>(n),
                        std::vector<double>(law.plastic_strain >= 0 ? n : 0)};
@@ -175,14 +178,15 @@ std::vector<double> FieldSampler::carried(const std::vector<double>& at_points) 
 }
 
 BodyFields FieldSampler::sample(const Eigen::VectorXd& u, const PointHistory& history,
-                                std::span<const std::int64_t> point, bool points) const {
+                                std::span<const std::int64_t> point, bool points,
+                                std::span<const double> scales) const {
   BodyFields fields;
   fields.name = mesh_.name;
   fields.coefficients.assign(u.data(), u.data() + u.size());
   const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>> c(u.data(), u.size() / 3, 3);
   const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> at_vertices = rows_ * c;
   fields.displacement.assign(at_vertices.data(), at_vertices.data() + at_vertices.size());
-  PointSamples samples = sample_points(u, history, point);
+  PointSamples samples = sample_points(u, history, point, scales);
   std::vector<double> mises(samples.strain.size());
   for (std::size_t q = 0; q < mises.size(); ++q) mises[q] = von_mises(&samples.stress[6 * q]);
   fields.von_mises = carried(mises);

@@ -21,8 +21,9 @@ class FieldSampler {
   /// @param history  of the points in blocks of eight
   /// @param point    (8 blocks): number of each in the model, -1 for none
   /// @param points   with stresses and plastic strains at the quadrature points
+  /// @param scales   (n_points) the law sees these times F; empty: it sees F
   BodyFields sample(const Eigen::VectorXd& u, const PointHistory& history, std::span<const std::int64_t> point,
-                    bool points) const;
+                    bool points, std::span<const double> scales = {}) const;
   /// The same of an explicit body's present state.
   BodyFields sample(const ExplicitBody& body, bool points) const {
     return sample(body.full_displacement(), body.forces().save(), body.forces().plan().point, points);
@@ -34,8 +35,8 @@ class FieldSampler {
     std::vector<double> strain;         ///< (n_points) the largest principal ln U by size
     std::vector<double> plastic_strain; ///< (n_points), empty for laws without one
   };
-  PointSamples sample_points(const Eigen::VectorXd& u, const PointHistory& saved,
-                             std::span<const std::int64_t> points) const;
+  PointSamples sample_points(const Eigen::VectorXd& u, const PointHistory& saved, std::span<const std::int64_t> points,
+                             std::span<const double> scales) const;
   std::vector<double> carried(const std::vector<double>& at_points) const;
 
   Law law_;
