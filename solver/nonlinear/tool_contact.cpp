@@ -22,6 +22,8 @@ constexpr double closed_share = 1e-9;
 constexpr double tangential_share = 0.5;
 constexpr double deepest_share = 0.5; // of a span: how far a part may go in a step
 
+constexpr double ball_rounding = 1e-9;
+
 constexpr std::size_t numbers_per_point = 7;
 
 } // namespace
@@ -72,9 +74,13 @@ ToolContact::ToolContact(const SolutionSpace& space, const ToolContactSettings& 
   for (std::size_t s = 0; s < region_.cells.size(); ++s) {
     const PointBatch batch = gather(space.model(), region_, s);
     evaluate(space, batch.cell, batch.parameters, Shapes::Values, shapes);
-    Cell cell{batch.cell, points, shapes.values, Matrix3Xd(3, batch.size()), batch.weights};
+    Cell cell{batch.cell, points, shapes.values, Matrix3Xd(3, batch.size()), batch.weights, {}};
     for (std::size_t q = 0; q < batch.size(); ++q)
       cell.X.col(static_cast<Eigen::Index>(q)) = as_vector(batch.positions[q]);
+    cell.centre = cell.X.rowwise().mean();
+    cell.radius = (cell.X.colwise() - cell.centre).colwise().norm().maxCoeff();
+    cell.amplification = cell.values.cwiseAbs().rowwise().sum().maxCoeff();
+    cell.lacking = (1 - cell.values.rowwise().sum().array()).abs().maxCoeff();
     points += batch.size();
     cells_.push_back(std::move(cell));
   }
@@ -105,6 +111,35 @@ Matrix3Xd ToolContact::positions(const Cell& cell, const Eigen::VectorXd& u) con
   for (std::size_t i = 0; i < nodes.size(); ++i)
     local.col(static_cast<Eigen::Index>(i)) = u.segment<3>(3 * static_cast<Eigen::Index>(nodes[i]));
   return cell.X + local * cell.values.transpose();
+}
+
+// X + u = X + ū + Σ N_i (c_i - ū) where the functions add up to 1.
+ToolContact::Ball ToolContact::ball(const Cell& cell, const Eigen::VectorXd& u) const {
+  const auto nodes = space_->nodes(cell.cell);
+  Vector3d mean = Vector3d::Zero();
+  for (const std::int32_t node : nodes) mean += u.segment<3>(3 * static_cast<Eigen::Index>(node));
+  mean /= static_cast<double>(nodes.size());
+  double furthest = 0;
+  for (const std::int32_t node : nodes)
+    furthest = std::max(furthest, (u.segment<3>(3 * static_cast<Eigen::Index>(node)) - mean).norm());
+  return {cell.centre + mean, cell.radius + cell.amplification * furthest + cell.lacking * mean.norm()};
+}
+
+bool ToolContact::apart(const Cell& cell, const Motion& motion, const Eigen::VectorXd& u) const {
+  const auto first = memory_.begin() + static_cast<std::ptrdiff_t>(cell.first);
+  if (std::any_of(first, first + static_cast<std::ptrdiff_t>(cell.weights.size()),
+                  [](const Memory& memory) { return memory.touches; }))
+    return false;
+  const Ball now = ball(cell, u);
+  const Vector3d x = motion.turn.transpose() * (now.centre - motion.centre);
+  return shape_.at(x).gap > (1 + ball_rounding) * now.radius + closed_;
+}
+
+bool ToolContact::stays_away(const Cell& cell, const Motion& motion, const Eigen::VectorXd& u) const {
+  const Ball now = ball(cell, u), before = ball(cell, u_old_);
+  const double way = (motion.before(now.centre) - before.centre).norm() + now.radius + before.radius;
+  const Vector3d x = motion.turn_old.transpose() * (before.centre - motion.centre_old);
+  return shape_.at(x).gap > (1 + ball_rounding) * (way + before.radius) + closed_;
 }
 
 ToolContact::Touch ToolContact::touch(const Motion& motion, const Vector3d& x, const Vector3d& x_old,
@@ -162,6 +197,7 @@ ToolContactReport ToolContact::add_forces(const Eigen::VectorXd& u, double facto
       [&](std::size_t s) {
         OfCell of;
         const Cell& cell = cells_[s];
+        if (apart(cell, moved, u)) return of;
         const Matrix3Xd x = positions(cell, u), x_old = positions(cell, u_old_);
         Matrix3Xd forces = Matrix3Xd::Zero(3, x.cols());
         Vector3d turning = Vector3d::Zero();
@@ -232,6 +268,7 @@ void ToolContact::subtract_stiffness(const Eigen::VectorXd& u, double factor, Ta
       cells_.size(),
       [&](std::size_t s) {
         const Cell& cell = cells_[s];
+        if (apart(cell, moved, u)) return Eigen::MatrixXd();
         const Matrix3Xd x = positions(cell, u), x_old = positions(cell, u_old_);
         Eigen::MatrixXd K(x.cols(), 9); // by point, column 3 b + a
         bool any = false;
@@ -264,6 +301,7 @@ std::string ToolContact::too_far(const Eigen::VectorXd& u, double factor) const 
   const double most = deepest_share * span_size_;
   double depth = 0, beyond = 0;
   for (const Cell& cell : cells_) {
+    if (stays_away(cell, moved, u)) continue;
     const Matrix3Xd x = positions(cell, u), x_old = positions(cell, u_old_);
     for (Eigen::Index q = 0; q < x.cols(); ++q) {
       const Touch t = touch(moved, x.col(q), x_old.col(q), {});
@@ -292,6 +330,7 @@ ToolContactReport ToolContact::keep(const Eigen::VectorXd& u, double factor) {
   tool_work_ += report.by_tool;
   const Motion moved = motion(factor);
   for (const Cell& cell : cells_) {
+    if (apart(cell, moved, u)) continue;
     const Matrix3Xd x = positions(cell, u), x_old = positions(cell, u_old_);
     for (Eigen::Index q = 0; q < x.cols(); ++q) {
       Memory& memory = memory_[cell.first + static_cast<std::size_t>(q)];

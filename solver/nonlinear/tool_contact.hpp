@@ -73,6 +73,14 @@ class ToolContact {
     Eigen::MatrixXd values; ///< (points × nodes)
     Eigen::Matrix3Xd X;     ///< (3 × points)
     std::vector<double> weights;
+    Eigen::Vector3d centre;   ///< of X
+    double radius = 0;        ///< of X about it
+    double amplification = 1; ///< max Σ |N_i|
+    double lacking = 0;       ///< max |1 - Σ N_i|: not zero where light functions are removed
+  };
+  struct Ball {
+    Eigen::Vector3d centre;
+    double radius;
   };
   struct Memory {
     bool touches = false;
@@ -82,6 +90,13 @@ class ToolContact {
   struct Touch;
   Motion motion(double factor) const;
   Eigen::Matrix3Xd positions(const Cell& cell, const Eigen::VectorXd& u) const;
+  /// Holds all points of the cell at u.
+  Ball ball(const Cell& cell, const Eigen::VectorXd& u) const;
+  /// Does no point of the cell touch, now or in the state kept last? Then it takes no part, at the cost of one
+  /// distance: that of the ball, for over a way d a distance changes by d at most.
+  bool apart(const Cell& cell, const Motion& motion, const Eigen::VectorXd& u) const;
+  /// Are all points further from the tool than the way they go beside it?
+  bool stays_away(const Cell& cell, const Motion& motion, const Eigen::VectorXd& u) const;
   Touch touch(const Motion& motion, const Eigen::Vector3d& x, const Eigen::Vector3d& x_old, const Memory& old) const;
   Eigen::Matrix3d stiffness(const Motion& motion, const Touch& touch) const;
 

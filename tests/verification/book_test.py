@@ -16,6 +16,7 @@ sys.path[:0] = [str(SOURCE / "tests/verification"), str(SOURCE / "scripts")]
 from book import exact, fem, page, parts  # noqa: E402
 from book.case import BookError, Case  # noqa: E402
 from book.main import Found, Outcome  # noqa: E402
+from book.mixed import Body  # noqa: E402
 from book.run import run_file  # noqa: E402
 
 STEEL = {"E": 200e9, "nu": 0.3, "rho": 8000.0}
@@ -51,6 +52,24 @@ class ExactSolutions(unittest.TestCase):
         self.assertAlmostEqual(exact.torsion_constant(1, 1), 0.1406, 4)
         self.assertAlmostEqual(exact.torsion_constant(2, 1), 2 * 0.2287, 4)
         self.assertAlmostEqual(exact.torsion_constant(1, 1e-3) / (1e-9 / 3), 1, 2)
+
+
+
+class MixedElements(unittest.TestCase):
+    def test_uniform_rubber(self):
+        """A cylinder between smooth plates at half its height: σ of the law, which is solved for along with the stretch across."""
+        mu, lam, along = 1.0, 5000.0, 0.5
+        across = np.sqrt(1 / along)
+        for _ in range(20):  # μ b + (λ ln J - μ) / b = 0
+            log = np.log(across**2 * along)
+            across -= (mu * across**2 + lam * log - mu) / (2 * mu * across + 2 * lam / across)
+        nominal = mu * along + (lam * np.log(across**2 * along) - mu) / along
+        body = Body(lambda x: 2 * x + 0.2 * np.column_stack([x[:, 0] * (1 - x[:, 0]), 0 * x[:, 1]]), (3, 2), mu, lam, axisymmetric=True)
+        axis, low, top = body.unit[:, 0] == 0, body.unit[:, 1] == 0, body.unit[:, 1] == 1
+        for share in (0.25, 0.5):
+            force = body.solve([(axis, 0, 0), (low, 1, 0), (top, 1, -2 * share)])[top, 1].sum()
+        self.assertAlmostEqual(force / (nominal * np.pi * 4), 1, 8)
+        self.assertAlmostEqual(body.u.reshape(-1, 2)[body.unit[:, 0] == 1, 0].min() / (2 * (across - 1)), 1, 8)
 
 
 class Surfaces(unittest.TestCase):

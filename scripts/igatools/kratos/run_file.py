@@ -114,7 +114,8 @@ class RunFile:
         return self.data[kind][number].get("name", f"{kind} {number + 1}")
 
     def _check_keys(self):
-        for key in self.data.keys() - ROOT - ({"locking"} if self.analysis == "nonlinear" else set()) - OWN[self.analysis].keys() - {"eigen", "nonlinear"}:
+        known = ROOT | OWN[self.analysis].keys() | {"eigen", "nonlinear"} | ({"locking"} if self.analysis == "nonlinear" else set())
+        for key in self.data.keys() - known:
             self.refuse("", 0, key, "Kratos is not given this here; igasolve can do it")
         for table, keys in (KEYS | OWN[self.analysis]).items():
             if table == "material" and self.analysis == "nonlinear":

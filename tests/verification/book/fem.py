@@ -70,3 +70,37 @@ def static(run, mesh, material, held, forces, extra=()):
     if not displacement or not stress:
         raise RunError(f"CalculiX gave no displacements; see {run.folder / 'ccx.log'}")
     return displacement[-1], stress[-1]
+
+
+def pressed_cylinder(run, radius, height, divisions, material, way, increments, kind="CAX8R"):
+    """A cylinder 0 … radius, 0 … height on its plane of symmetry, its upper end pressed down by `way` and held across, at large
+    displacement, in axisymmetric elements. material: lines of the deck. Returns share of the way -> force of the whole section."""
+    n = np.asarray(divisions)
+    index = np.stack(np.meshgrid(*(np.arange(2 * m + 1) for m in n), indexing="ij"), -1).reshape(-1, 2)
+    used = (index % 2).sum(1) <= 1
+    number = np.full(2 * n + 1, -1)
+    number[tuple(index[used].T)] = np.arange(used.sum())
+    nodes = index[used] / (2 * n) * (radius, height)
+    first = 2 * np.stack(np.meshgrid(*(np.arange(m) for m in n), indexing="ij"), -1).reshape(-1, 1, 2)
+    at = first + [[0, 0], [2, 0], [2, 2], [0, 2], [1, 0], [2, 1], [1, 2], [0, 1]]
+    elements = number[at[..., 0], at[..., 1]]
+    small = 1e-9 * (radius + height)
+    sets = {"TOP": nodes[:, 1] > height - small, "LOW": nodes[:, 1] < small, "AXIS": nodes[:, 0] < small}
+    lines = ["*NODE, NSET=ALL", *(f"{k + 1}, {x:.12g}, {z:.12g}, 0" for k, (x, z) in enumerate(nodes)),
+             f"*ELEMENT, TYPE={kind}, ELSET=SOLID", *(", ".join(map(str, [k + 1, *(row + 1)])) for k, row in enumerate(elements))]
+    for name, of in sets.items():
+        lines += [f"*NSET, NSET={name}", *(f"{k + 1}," for k in np.flatnonzero(of))]
+    lines += ["*MATERIAL, NAME=M", *material, "*SOLID SECTION, ELSET=SOLID, MATERIAL=M", "*BOUNDARY", "AXIS, 1, 1", "LOW, 2, 2", "TOP, 1, 1",
+              "*STEP, NLGEOM, INC=10000", "*STATIC, SOLVER=SPOOLES", f"{1 / increments:.12g}, 1., 1e-6, {1 / increments:.12g}", "*BOUNDARY",
+              f"TOP, 2, 2, {-way:.12g}", "*NODE PRINT, NSET=TOP, TOTALS=ONLY", "RF", "*END STEP"]
+    (run.folder / "fem.inp").write_text("\n".join([*lines, ""]))
+    run.program("ccx", "fem", log="ccx")
+    run.unknowns = nodes.size
+    found, rows = [(0.0, 0.0)], (run.folder / "fem.dat").read_text().splitlines()
+    for k, line in enumerate(rows):
+        if line.strip().startswith("total force"):
+            found.append((float(line.split()[-1]), -180 * float(rows[k + 2].split()[1])))  # CalculiX prints those of a wedge of two degrees
+    share, force = np.array(found).T
+    if share[-1] < 1 - 1e-6:
+        raise RunError(f"CalculiX ended at {share[-1]:.3g} of the way; see {run.folder / 'ccx.log'}")
+    return lambda at: float(np.interp(at, share, force))

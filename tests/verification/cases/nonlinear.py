@@ -6,7 +6,8 @@ import numpy as np
 from scipy.integrate import solve_bvp, trapezoid
 from scipy.optimize import brentq
 
-from book import case, parts
+from book import case, fem, parts
+from book.mixed import Body
 from book.run import probe
 from igatools import iga_results
 
@@ -217,6 +218,7 @@ def pulled_block(run, span):
 # Steel pressed flat between smooth plates.
 
 BILLET_E, BILLET_NU, YIELD, HARDENING, BILLET_RADIUS, BILLET_HEIGHT = 200e3, 0.3, 700.0, 300.0, 10.0, 15.0  # MPa, mm
+BILLET = {"law": "j2", "E": BILLET_E, "nu": BILLET_NU, "yield_stress": YIELD, "hardening_modulus": HARDENING}
 
 
 def upset_values():
@@ -227,6 +229,25 @@ def upset_values():
     return {"force": 1e-3 * stress * np.pi * BILLET_RADIUS**2 * J / 0.4, "u of the side": BILLET_RADIUS * (np.sqrt(J / 0.4) - 1)}
 
 
+def quarter_cylinder(radius, height):
+    """x, y, z >= 0; 24 facets on its round side whose section has the area of the circle."""
+    radius = radius * np.sqrt(np.pi / 4 / (12 * np.sin(np.pi / 48)))
+    t = np.linspace(0, np.pi / 2, 25)
+    low = np.round(radius * np.column_stack([np.cos(t), np.sin(t), np.zeros_like(t)]), 12) + 0.0
+    top, axis, above = low + [0, 0, height], np.zeros(3), np.array([0, 0, height])
+    a, b, c, d = low[:-1], low[1:], top[1:], top[:-1]
+    m, n = np.broadcast_to(axis, a.shape), np.broadcast_to(above, a.shape)
+    return np.concatenate([np.stack([m, b, a], 1), np.stack([n, d, c], 1), np.stack([a, b, c], 1), np.stack([a, c, d], 1),
+                           [[axis, low[0], top[0]], [axis, top[0], above], [axis, top[-1], low[-1]], [axis, above, top[-1]]]])
+
+
+def pressed(height, way, **more):
+    """Run file of a quarter cylinder on planes of symmetry: `way` is the drive of the plate on it, over the load factor."""
+    return {"support": [plane(axis, "normal", [0, 0, 0], list(np.eye(3)[k])) for k, axis in enumerate("xyz")],
+            "rigid_bodies": [{"name": "plate", "shape": "plane", "normal": [0, 0, -1], "centre": [0, 0, height], "drive": {"z": way}}],
+            "results": {"viewer": False}, **more}
+
+
 @case(id="upset_billet", title="Billet pressed to 40 % of its height between smooth plates",
       geometry="Cylinder, radius 10, height 15 mm: an eighth between planes of symmetry; a plane without friction comes down in 40 steps",
       material="J2, E = 200 GPa, ν = 0.3, yield stress 700 MPa, hardening 300 MPa",
@@ -234,20 +255,112 @@ def upset_values():
       unit={"force": "kN", "u of the side": "mm"}, exact=upset_values, grids=(6.0, 5.0, 4.0), tolerance=5e-3,
       notes="The billet of the benchmark with rough plates (Lippmann 1979), without friction.")
 def upset_billet(run, span):
-    radius = BILLET_RADIUS * np.sqrt(np.pi / 4 / (12 * np.sin(np.pi / 48)))  # the area of 24 facets is that of the circle
-    t = np.linspace(0, np.pi / 2, 25)
-    low = np.round(radius * np.column_stack([np.cos(t), np.sin(t), np.zeros_like(t)]), 12) + 0.0
-    top, axis, above = low + [0, 0, BILLET_HEIGHT / 2], np.zeros(3), np.array([0, 0, BILLET_HEIGHT / 2])
-    a, b, c, d = low[:-1], low[1:], top[1:], top[:-1]
-    m, n = np.broadcast_to(axis, a.shape), np.broadcast_to(above, a.shape)
-    part = np.concatenate([np.stack([m, b, a], 1), np.stack([n, d, c], 1), np.stack([a, b, c], 1), np.stack([a, c, d], 1),
-                           [[axis, low[0], top[0]], [axis, top[0], above], [axis, top[-1], low[-1]], [axis, above, top[-1]]]])
+    part = quarter_cylinder(BILLET_RADIUS, BILLET_HEIGHT / 2)
     run.model(part, span)
-    report = run.solve("nonlinear", {
-        "material": {"law": "j2", "E": BILLET_E, "nu": BILLET_NU, "yield_stress": YIELD, "hardening_modulus": HARDENING},
-        "support": [plane(axis, "normal", [0, 0, 0], list(np.eye(3)[k])) for k, axis in enumerate("xyz")],
-        "rigid_bodies": [{"name": "plate", "shape": "plane", "normal": [0, 0, -1], "centre": [0, 0, BILLET_HEIGHT / 2],
-                          "drive": {"z": [[0, 0], [1, -0.6 * BILLET_HEIGHT / 2]]}}],
-        "contacts": [{"bodies": ["part", "plate"]}], "nonlinear": {"steps": 40},
-        "probe": [{"name": "side", "position": [radius, 0, 0]}]})
+    report = run.solve("nonlinear", pressed(
+        BILLET_HEIGHT / 2, [[0, 0], [1, -0.6 * BILLET_HEIGHT / 2]], material=BILLET, contacts=[{"bodies": ["part", "plate"]}],
+        nonlinear={"steps": 40}, probe=[{"name": "side", "position": [float(part.max()), 0, 0]}]))
     return {"force": -4e-3 * report["contacts"][0]["force"][2], "u of the side": probe(report, "side")["displacement"][0]}
+
+
+def forces_on_the_plate(file):
+    """Of the whole section, at each load step."""
+    return -4 * iga_results.read(file)["/time_series/contact/plate/force"][:, 2]
+
+
+# The same between rough plates, where metal of degree 2 locks.
+
+def rough_billet_by_calculix(run):
+    found = fem.pressed_cylinder(run, BILLET_RADIUS, BILLET_HEIGHT / 2, (10, 8),
+                                 ["*ELASTIC", f"{BILLET_E}, {BILLET_NU}", "*PLASTIC", f"{YIELD}, 0.", f"{YIELD + 3 * HARDENING}, 3."],
+                                 0.3 * BILLET_HEIGHT / 2, 30)
+    return {name: 1e-3 * found(share / 0.3) for name, share in ROUGH_SHARES.items()}
+
+
+ROUGH_SHARES = {"force at 10 %": 0.1, "force at 20 %": 0.2, "force at 30 %": 0.3}
+
+
+@case(id="rough_billet", title="Billet pressed by 30 % between rough plates",
+      geometry="Cylinder, radius 10, height 15 mm: an eighth between planes of symmetry; its end sticks to a plane that comes down in 30 steps",
+      material="J2, E = 200 GPa, ν = 0.3, yield stress 700 MPa, hardening 300 MPa; locking = \"fbar\"",
+      source="CalculiX 2.20, axisymmetric CAX8R, 10 × 8, 20 × 16 and 30 × 24 elements (30 %: 399, 380 and 375 kN), extrapolated in 1/n: "
+      "no exact value is known",
+      unit="kN", exact={"force at 10 %": 276.0, "force at 20 %": 319.0, "force at 30 %": 362.0},
+      grids=(5.0, 4.0, 3.0), tolerance={"force at 10 %": 0.01, "force at 20 %": 0.04, "force at 30 %": 0.1}, known=0.01, calculix=rough_billet_by_calculix, calculix_mesh="CAX8R, 10 × 8",
+      notes="Only the end touches the plate, as in CalculiX, where the side goes on through it: the more so the smaller the elements at the rim are, and "
+      "forces fall with them. Without F-bar the run stalls at some 10 % (p = 2).")
+def rough_billet(run, span):
+    run.model(quarter_cylinder(BILLET_RADIUS, BILLET_HEIGHT / 2), span, 2, "--region-angle", "30")
+    _, file = run.solve("nonlinear", pressed(
+        BILLET_HEIGHT / 2, [[0, 0], [1, -0.3 * BILLET_HEIGHT / 2]], material=BILLET, locking="fbar", nonlinear={"steps": 30},
+        contacts=[{"name": "plate", "bodies": ["part", "plate"], "rough": True, "first_regions": ["part/2"]}]), results=True)
+    forces = forces_on_the_plate(file)
+    return {name: 1e-3 * forces[round(100 * share) - 1] for name, share in ROUGH_SHARES.items()}
+
+
+# A rubber disc bonded to plates.
+
+DISC_RADIUS, DISC_HEIGHT, DISC_E, DISC_NU = 10.0, 10.0, 3.0, 0.4999
+DISC_UNITS = {"force / (A ε), ε = 0.1 %": "MPa", "force at 5 %": "N", "force at 10 %": "N"}
+
+
+def disc_values():
+    """Mixed elements that follow the disc, finer towards the rim of the bonded face."""
+    lam, mu = lame(DISC_E, DISC_NU)
+    half = DISC_HEIGHT / 2
+    body = Body(lambda x: np.column_stack([DISC_RADIUS * (1 - (1 - x[:, 0]) ** 1.5), half * (1 - (1 - x[:, 1]) ** 1.5)]), (10, 10), mu, lam, True)
+    axis, low, top = body.unit[:, 0] == 0, body.unit[:, 1] == 0, body.unit[:, 1] == 1
+    force = lambda share: -body.solve([(axis, 0, 0), (low, 1, 0), (top, 0, 0), (top, 1, -share * half)])[top, 1].sum()  # noqa: E731
+    forces = [force(share) for share in (0.001, 0.025, 0.05, 0.075, 0.1)]
+    return dict(zip(DISC_UNITS, (forces[0] / (np.pi * DISC_RADIUS**2 * 0.001), forces[2], forces[4])))
+
+
+def disc_by_calculix(run):
+    lam, mu = lame(DISC_E, DISC_NU)
+    rubber = ["*HYPERELASTIC, NEO HOOKE", f"{mu / 2:.12g}, {2 / (lam + 2 * mu / 3):.12g}"]
+    found = fem.pressed_cylinder(run, DISC_RADIUS, DISC_HEIGHT / 2, (12, 6), rubber, 0.1 * DISC_HEIGHT / 2, 20)
+    return dict(zip(DISC_UNITS, (found(0.05) / (np.pi * DISC_RADIUS**2 * 0.005), found(0.5), found(1.0))))
+
+
+@case(id="rubber_disc", title="Rubber disc pressed between plates to which it is bonded",
+      geometry="Disc, radius 10, height 10 mm: an eighth between planes of symmetry; a rough plane comes down by 10 %",
+      material="E = 3 MPa, ν = 0.4999, neo-Hookean", unit=DISC_UNITS, exact=disc_values, grids=(5.0, 2.5, 5 / 3), tolerance=0.02, known=2e-3,
+      source="axisymmetric mixed elements (Q2/P1, `book/mixed.py`) of the same law, converged to 0.2 %; Gent and Lindley (1959), who take the pressure "
+      "for a parabola: E (1 + 2 S²) = 4.5 MPa, S = 0.5", calculix=disc_by_calculix, calculix_mesh="CAX8R, 12 × 6, secant at 0.5 %",
+      notes="The rim of the bonded face is singular. Without F-bar the errors of the first row are +11, +14 and +14 %.")
+def rubber_disc(run, span):
+    half = DISC_HEIGHT / 2
+    run.model(quarter_cylinder(DISC_RADIUS, half), span)
+    _, file = run.solve("nonlinear", pressed(
+        half, [[0, 0], [0.25, -0.001 * half], [0.5, -0.05 * half], [1, -0.1 * half]],
+        material={"law": "neo-hookean", "E": DISC_E, "nu": DISC_NU}, nonlinear={"steps": 4},
+        contacts=[{"name": "plate", "bodies": ["part", "plate"], "rough": True, "stiffness": 1000}]), results=True)
+    forces = forces_on_the_plate(file)
+    return dict(zip(DISC_UNITS, (forces[0] / (np.pi * DISC_RADIUS**2 * 0.001), forces[1], forces[3])))
+
+
+# Cook's membrane, nearly incompressible.
+
+COOK_UNITS = {"w, F = 1": "mm", "w, F = 100": "mm"}
+
+
+@case(id="cook", title="Cook's membrane of rubber", quick=True,
+      geometry="Trapezoid of corners (0, 0), (48, 44), (48, 60), (0, 44) mm, plane strain, 1 mm thick; clamped at x = 0, shear 1 and 100 N over the other "
+      "end; deflection at its middle", material="ν = 0.4999, neo-Hookean, E = 250 MPa for 1 N and 240.565 MPa for 100 N",
+      source="mixed elements (Q2/P1, `book/mixed.py`), converged to 5e-4. They give 7.73 … 7.77 mm (100 times the first load) for the upper corner, where 7.769 is "
+      "published", unit=COOK_UNITS, exact={"w, F = 1": 0.07406, "w, F = 100": 6.9593}, grids=(8.0, 5.0, 3.5), tolerance=0.01, known=5e-4,
+      notes="The upper corner itself, where traction meets a free edge, converges slowly in both.")
+def cook(run, span):
+    def mapping(x):
+        return np.column_stack([48 * x[:, 0], 44 * x[:, 0] * (1 - x[:, 1]) + (44 + 16 * x[:, 0]) * x[:, 1], x[:, 2]])
+    run.model(parts.block(mapping, (1, 1, 1)), (span, span, 1.0))
+    found = {}
+    for name, E, force, steps in (("w, F = 1", 250.0, 1.0, 1), ("w, F = 100", 240.565, 100.0, 2)):
+        report = run.solve("nonlinear", {
+            "material": {"law": "neo-hookean", "E": E, "nu": 0.4999},
+            "support": [plane("root", "xyz", [0, 0, 0], [1, 0, 0]), plane("front", "z", [0, 0, 0], [0, 0, 1]),
+                        plane("back", "z", [0, 0, 1], [0, 0, 1])],
+            "load": [{"name": "end", "traction": [0, force / 16, 0], "plane": {"point": [48, 0, 0], "normal": [1, 0, 0]}}],
+            "probe": [{"name": "middle", "position": [48, 52, 0.5]}], "nonlinear": {"steps": steps}})
+        found[name] = probe(report, "middle")["displacement"][1]
+    return found
