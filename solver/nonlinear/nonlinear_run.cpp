@@ -4,6 +4,7 @@
 #include "solver/analysis/run_settings.hpp"
 #include "solver/base/run_tables.hpp"
 #include "solver/explicit/run/run_parts.hpp"
+#include "solver/mechanics/incompressible.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -54,9 +55,6 @@ LightTreatment read_light(io::SettingsTable& root) {
   return light;
 }
 
-// Above this Poisson's ratio an elastic law is nearly incompressible.
-constexpr double nearly_incompressible = 0.49;
-
 Locking read_locking(io::SettingsTable& root, const Law& law) {
   const std::array<std::string, 2> names{"none", "fbar"};
   constexpr std::array treatments{Locking::None, Locking::FBar};
@@ -70,9 +68,7 @@ Locking read_locking(io::SettingsTable& root, const Law& law) {
     return locking;
   }
   if (!std::holds_alternative<NeoHookean>(law) && !std::holds_alternative<StVenantKirchhoff>(law)) return Locking::None;
-  const ElasticMaterial material = small_strain(law);
-  const double lambda = material.C(0, 1), mu = material.C(3, 3); // ν = λ / (2 (λ + μ))
-  return lambda >= 2 * nearly_incompressible * (lambda + mu) ? Locking::FBar : Locking::None;
+  return is_nearly_incompressible(small_strain(law)) ? Locking::FBar : Locking::None;
 }
 
 void refuse_body(io::SettingsTable& table) {

@@ -205,6 +205,8 @@ int run_nonlinear(const NonlinearCommand& command) {
     warnings.insert(warnings.end(), more.begin(), more.end());
   };
   add(model_warnings(loaded.model, material.density == 1 ? nullptr : &material));
+  if (run.locking == Locking::None)
+    if (const auto locks = locking_warning(material, loaded.model.grid)) add({*locks});
   watch.stage("read");
   const SolutionSpace space(loaded.model, run.light);
   add(space.warnings());

@@ -43,6 +43,9 @@ void read_models(AnalysisRun& run) {
     check_units(run, b);
     warn(run, prefixed(body.file.model.filename().string(),
                        model_warnings(run.models[b], body.has_density ? &body.material : nullptr)));
+    if (run.command.analysis != Analysis::Heat && run.command.analysis != Analysis::Timestep)
+      if (const auto locks = locking_warning(body.material, run.models[b].grid))
+        warn(run, prefixed(body.file.model.filename().string(), {*locks}));
   }
 }
 

@@ -1,6 +1,7 @@
 #include "solver/report/model_notes.hpp"
 
 #include "format/model/vec3.hpp"
+#include "solver/mechanics/incompressible.hpp"
 #include "solver/mechanics/rigid_modes.hpp"
 #include "solver/mechanics/unit_check.hpp"
 #include "solver/report/surface_gap.hpp"
@@ -18,6 +19,18 @@ std::vector<std::string> model_warnings(const TrimmedModel& model, const Elastic
     if (const auto warning = unit_warning(model.length_unit, modulus_of(*material), material->density))
       warnings.push_back(*warning);
   return warnings;
+}
+
+std::optional<std::string> locking_warning(const ElasticMaterial& material, const SplineGrid& grid) {
+  if (!is_nearly_incompressible(material)) return std::nullopt;
+  const double lambda = material.C(0, 1), mu = material.C(3, 3);
+  // Cook's membrane with eight spans along it: solver/nonlinear/README.md.
+  return fmt::format(
+      "Poisson's ratio {:.6g} is near 0.5, and splines of degree {} are too stiff for material that hardly "
+      "changes its volume (a part eight spans long in bending, at 0.49, 0.499, 0.4999: by 3, 7, 11 % at "
+      "degree 2, by 2, 3, 4 % at degree 3); take smaller spans, degree 3, or igasolve nonlinear with "
+      "law = \"neo-hookean\" and locking = \"fbar\"",
+      lambda / (2 * (lambda + mu)), std::ranges::min(grid.degree()));
 }
 
 std::optional<std::string> joined_bodies_warning(const SolutionSpace& space) {

@@ -16,6 +16,9 @@ namespace iga::solve {
 /// @param material  null where no density was given
 std::vector<std::string> model_warnings(const TrimmedModel& model, const ElasticMaterial* material);
 
+/// Of an isotropic material that hardly changes its volume, where nothing is done against locking.
+std::optional<std::string> locking_warning(const ElasticMaterial& material, const SplineGrid& grid);
+
 /// A warning where the surface has more bodies than the space has mechanically separate parts: bodies that touch.
 std::optional<std::string> joined_bodies_warning(const SolutionSpace& space);
 

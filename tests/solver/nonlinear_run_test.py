@@ -159,12 +159,18 @@ class Nonlinear(unittest.TestCase):
         for nu, locking, expected in (("0.3", "", "none"), ("0.4999", "", "fbar"), ("0.4999", "none", "none")):
             text = rubber.replace("nu = 0.3", f"nu = {nu}").replace("units =", f'locking = "{locking}"\nunits =' if locking else "units =")
             (self.path / "rubber.toml").write_text(text)
-            report = json.loads(self.solve("rubber.toml", "--json").stdout)
+            done = self.solve("rubber.toml", "--json")
+            report = json.loads(done.stdout)
             self.assertEqual(report["locking"], expected)
+            self.assertEqual("near 0.5" in done.stderr, locking == "none")
             tip[expected] = report["probes"][0]["displacement"][2]
         self.assertLess(tip["fbar"], 1.3 * tip["none"])  # downwards: what locks is too stiff
         (self.path / "rubber.toml").write_text(rubber.replace("nu = 0.3", "nu = 0.4999"))
         self.assertIn("F-bar", self.solve("rubber.toml").stdout)
+        for nu, warned in (("0.48", False), ("0.49", True)):
+            done = subprocess.run([IGASOLVE, "eigen", "beam.h5", "--E", "200", "--nu", nu, "--rho", "1e-6", "--modes", "1"], cwd=self.path,
+                                  capture_output=True, text=True)
+            self.assertEqual("fbar" in done.stderr, warned, done.stderr)
 
     def test_contact_goes_on_bit_for_bit(self):
         hasty = PRESS.replace("steps = 4", "steps = 4\nmax_iterations = 7\nsmallest_step = 0.9")
