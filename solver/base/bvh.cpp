@@ -1,6 +1,7 @@
 #include "solver/base/bvh.hpp"
 
 #include "solver/base/index.hpp"
+#include "solver/base/parallel.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -11,6 +12,7 @@ namespace iga::solve {
 namespace {
 
 constexpr std::size_t leaf_size = 4;
+constexpr std::size_t part_size = 512; // items whose boxes one thread fits
 
 constexpr double inf = std::numeric_limits<double>::infinity();
 constexpr Box3 empty_box{{inf, inf, inf}, {-inf, -inf, -inf}};
@@ -26,6 +28,8 @@ Bvh::Bvh(std::span<const Box3> boxes) : items_(boxes.size()) {
 void Bvh::build(std::span<const Box3> boxes, std::size_t first, std::size_t last) {
   const std::size_t self = nodes_.size();
   nodes_.emplace_back();
+  const bool is_part = last - first <= part_size && (parts_.empty() || nodes_[parts_.back()].skip > 0);
+  if (is_part) parts_.push_back(self);
   if (last - first <= leaf_size) {
     nodes_[self].first = first;
     nodes_[self].last = last;
@@ -58,18 +62,31 @@ void Bvh::build(std::span<const Box3> boxes, std::size_t first, std::size_t last
 
 void Bvh::refit(std::span<const Box3> boxes, std::span<const Box3> directions) {
   boxes_.resize(boxes.size());
-  for (std::size_t i = 0; i < boxes_.size(); ++i) boxes_[i] = boxes[at(items_[i])];
-  for (std::size_t n = nodes_.size(); n-- > 0;) { // children come after their parents
-    Node& node = nodes_[n];
-    node.box = node.directions = empty_box;
-    if (node.second > 0) {
-      node.box = join(nodes_[n + 1].box, nodes_[node.second].box);
-      node.directions = join(nodes_[n + 1].directions, nodes_[node.second].directions);
+  for_indices(boxes_.size(), 1024, [&](std::size_t i) { boxes_[i] = boxes[at(items_[i])]; });
+  // Children come after their parents: parts by themselves, then what lies above them.
+  for_indices(parts_.size(), 1, [&](std::size_t p) {
+    for (std::size_t n = nodes_[parts_[p]].skip; n-- > parts_[p];) fit(n, directions);
+  });
+  std::size_t p = parts_.size();
+  for (std::size_t n = nodes_.size(); n-- > 0;) {
+    if (p > 0 && n < nodes_[parts_[p - 1]].skip && n >= parts_[p - 1]) {
+      n = parts_[--p]; // this one is fitted
+      continue;
     }
-    for (std::size_t i = node.first; i < node.last; ++i) {
-      node.box = join(node.box, boxes_[i]);
-      if (!directions.empty()) node.directions = join(node.directions, directions[at(items_[i])]);
-    }
+    fit(n, directions);
+  }
+}
+
+void Bvh::fit(std::size_t n, std::span<const Box3> directions) {
+  Node& node = nodes_[n];
+  node.box = node.directions = empty_box;
+  if (node.second > 0) {
+    node.box = join(nodes_[n + 1].box, nodes_[node.second].box);
+    node.directions = join(nodes_[n + 1].directions, nodes_[node.second].directions);
+  }
+  for (std::size_t i = node.first; i < node.last; ++i) {
+    node.box = join(node.box, boxes_[i]);
+    if (!directions.empty()) node.directions = join(node.directions, directions[at(items_[i])]);
   }
 }
 

@@ -86,26 +86,60 @@ class Bvh {
   /// once. Leaves out parts where pass_over(directions of one part, of the other one) holds.
   template <class PassOver, class Visit>
   void each_close_pair(const Bvh& other, double reach, PassOver&& pass_over, Visit&& visit) const {
-    if (nodes_.empty() || other.nodes_.empty()) return;
-    std::vector<std::pair<std::size_t, std::size_t>> open{{0, 0}};
+    for (const PartPair& parts : close_parts(other, reach, pass_over, 1))
+      each_close_pair(parts, other, reach, pass_over, visit);
+  }
+  /// A part of this tree and one of another.
+  using PartPair = std::pair<std::size_t, std::size_t>;
+  /// Pairs of parts that hold all of these pairs of items, each in one of them: `wanted` or a few more where the trees
+  /// are large enough. For work in parallel; the same whatever the number of threads.
+  template <class PassOver>
+  std::vector<PartPair> close_parts(const Bvh& other, double reach, PassOver&& pass_over, std::size_t wanted) const {
+    std::vector<PartPair> parts, next;
+    if (!nodes_.empty() && !other.nodes_.empty()) parts.emplace_back(0, 0);
+    bool splits = true;
+    while (splits && parts.size() < wanted) {
+      next.clear();
+      splits = false;
+      for (const auto& [i, j] : parts) {
+        const Node &a = nodes_[i], &b = other.nodes_[j];
+        if (!within(a.box, b.box, reach) || pass_over(a.directions, b.directions)) continue;
+        splits = split(i, j, other, next) || splits;
+        if (a.second == 0 && b.second == 0) next.emplace_back(i, j);
+      }
+      parts.swap(next);
+    }
+    return parts;
+  }
+  /// The pairs of two parts: PartPair of close_parts with the same arguments.
+  template <class PassOver, class Visit>
+  void each_close_pair(const PartPair& parts, const Bvh& other, double reach, PassOver&& pass_over,
+                       Visit&& visit) const {
+    std::vector<PartPair> open{parts};
     while (!open.empty()) {
       const auto [i, j] = open.back();
       open.pop_back();
       const Node &a = nodes_[i], &b = other.nodes_[j];
       if (!within(a.box, b.box, reach) || pass_over(a.directions, b.directions)) continue;
-      if (a.second == 0 && b.second == 0) {
-        for (std::size_t k = a.first; k < a.last; ++k)
-          for (std::size_t l = b.first; l < b.last; ++l)
-            if (within(boxes_[k], other.boxes_[l], reach)) visit(items_[k], other.items_[l]);
-      } else if (b.second == 0 || (a.second > 0 && size(a.box) >= size(b.box))) {
-        open.insert(open.end(), {{i + 1, j}, {a.second, j}});
-      } else {
-        open.insert(open.end(), {{i, j + 1}, {i, b.second}});
-      }
+      if (split(i, j, other, open)) continue;
+      for (std::size_t k = a.first; k < a.last; ++k)
+        for (std::size_t l = b.first; l < b.last; ++l)
+          if (within(boxes_[k], other.boxes_[l], reach)) visit(items_[k], other.items_[l]);
     }
   }
 
  private:
+  /// Adds the two pairs that a pair of parts falls into; false for two leaves.
+  bool split(std::size_t i, std::size_t j, const Bvh& other, std::vector<PartPair>& to) const {
+    const Node &a = nodes_[i], &b = other.nodes_[j];
+    if (a.second == 0 && b.second == 0) return false;
+    if (b.second == 0 || (a.second > 0 && size(a.box) >= size(b.box)))
+      to.insert(to.end(), {{i + 1, j}, {a.second, j}});
+    else
+      to.insert(to.end(), {{i, j + 1}, {i, b.second}});
+    return true;
+  }
+  void fit(std::size_t node, std::span<const Box3> directions);
   struct Node {
     Box3 box{}, directions{};
     std::size_t first = 0, last = 0; ///< items of a leaf; none for inner nodes
@@ -146,7 +180,8 @@ class Bvh {
   }
   void build(std::span<const Box3> boxes, std::size_t first, std::size_t last);
 
-  std::vector<Node> nodes_; ///< preorder
+  std::vector<Node> nodes_;        ///< preorder
+  std::vector<std::size_t> parts_; ///< roots of subtrees of some hundred items, which hold all leaves
   std::vector<std::int32_t> items_;
   std::vector<Box3> boxes_; ///< in the order of items_
 };

@@ -314,6 +314,10 @@ std::optional<Command> parse_command_line(int argc, const char* const* argv) {
   ExplicitCommand dynamics;
   CLI::App* explicit_app = add_stepped(app, "explicit", "Impact, crush, waves: explicit dynamics with contact",
                                        "Results file (.h5)", raw, dynamics);
+  explicit_app
+      ->add_flag("--profile", dynamics.profile,
+                 "Report CPU time by phase, and how much of it more threads would not shorten")
+      ->group("Running");
   explicit_app->footer(explicit_footer);
   NonlinearCommand nonlinear;
   CLI::App* nonlinear_app =

@@ -165,6 +165,7 @@ int run_explicit(const ExplicitCommand& command) {
   }
   outputs.header().provenance.timings = timings;
   for (const std::string& warning : warnings) warn(warning);
+  if (command.profile) scene.integrator().clock().measure_cpu();
   const int signal = loop.run();
   if (signal != 0) {
     const bool can_go_on = std::filesystem::exists(restart_path(output));
@@ -180,6 +181,7 @@ int run_explicit(const ExplicitCommand& command) {
   outputs.header().provenance.warnings = warnings;
   outputs.header().provenance.timings = timings;
   outputs.publish(recorder.series());
+  outputs.wait();
   remove_restart(output);
   if (quiet) return io::exit_done;
   for (const std::string& warning : of_run) warn(warning);

@@ -1,14 +1,14 @@
 // Stiffness of the contact springs and the budget of stability they share: numerics in README.md, section 3.
 #include "format/model/vec3.hpp"
 #include "solver/base/index.hpp"
+#include "solver/base/parallel.hpp"
 #include "solver/explicit/contact/contact_model.hpp"
+#include "solver/explicit/contact/row_sums.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 namespace iga::solve {
 
@@ -43,11 +43,16 @@ double share_of(double load) {
   return load > 1 ? 1 / load : 1;
 }
 
-/// Σ_j |S_vj| z_j.
-double over_row(const SparseRows& S, std::int32_t v, const Eigen::VectorXd& z) {
-  double sum = 0;
-  for (auto e = at(S.first[at(v)]); e < at(S.first[at(v) + 1]); ++e) sum += std::abs(S.value[e]) * z[S.column[e]];
-  return sum;
+/// use(node, Σ_v |T_iv| z_v) for each of the nodes, in parallel.
+template <class Use>
+void each_node_sum(const SparseRows& T, const std::vector<std::int32_t>& nodes, const std::vector<double>& z,
+                   const Use& use) {
+  for_indices(nodes.size(), grain, [&](std::size_t k) {
+    const std::size_t i = at(nodes[k]);
+    double sum = 0; // in the order of the vertices: those without a touch change nothing
+    for (auto e = at(T.first[i]); e < at(T.first[i + 1]); ++e) sum += std::abs(T.value[e]) * z[at(T.column[e])];
+    use(nodes[k], sum);
+  });
 }
 
 } // namespace
@@ -90,19 +95,19 @@ void ContactModel::share_budget(std::span<const BodyState> bodies, const StepTim
         for (const std::int32_t v : mesh.triangles[f])
           sums[at(v)] += strongest * density[at(v)] * facing * mesh.face_area[f] / 3;
       }
-      sum_at_nodes(surface.columns(), surface.nodes(), sums, load);
-      for (const std::int32_t i : surface.nodes())
-        load[i] = ratio(load[i], room(bodies[surface.owner()], at(i), later));
-      for (std::size_t v = 0; v < share.size(); ++v)
-        if (sums[v] > 0)
-          share[v] = std::min(share[v], share_of(over_row(surface.rows(), static_cast<std::int32_t>(v), load)));
+      each_node_sum(surface.columns(), surface.nodes(), sums, [&](std::int32_t i, double sum) {
+        load[i] = ratio(sum, room(bodies[surface.owner()], at(i), later));
+      });
+      for_indices(share.size(), grain, [&](std::size_t v) {
+        if (sums[v] > 0) share[v] = std::min(share[v], share_of(sum_of_sizes(surface.rows(), v, load.data())));
+      });
     }
     for (std::size_t v = 0; v < density.size(); ++v) density[v] *= share[v];
   }
 }
 
 void ContactModel::set_springs() {
-  for (std::size_t c = 0; c < touches_.size(); ++c) {
+  for_indices(touches_.size(), grain, [&](std::size_t c) {
     const Touch& touch = touches_[c];
     const ContactPair& pair = searches_[pair_of_[c]].pair();
     double ahead = 0, behind = 0; // the sides' own densities; a rigid side has none to lower the other's
@@ -121,7 +126,7 @@ void ContactModel::set_springs() {
     spring.potential = {std::max(touch.limit - memory_[c].baseline, least_limit * touch.limit),
                         DepthPotential::hardest};
     spring.ratio = spring.potential.at(elastic_depth(c)).stiffness;
-  }
+  });
 }
 
 double ContactModel::elastic_depth(std::size_t c) const {
@@ -130,13 +135,17 @@ double ContactModel::elastic_depth(std::size_t c) const {
 
 // What is too stiff for this step is made softer, and the next one shorter, as far as springs stiffen with their depth.
 void ContactModel::want_step(const StepTimes& times) {
-  wanted_step_ = inf;
-  for (std::size_t c = 0; c < touches_.size(); ++c) {
+  struct Wanted {
+    double step = inf;
+    std::size_t touch = 0;
+  };
+  std::vector<Wanted> parts(num_chunks(touches_.size(), grain));
+  const auto wanted_by = [&](std::size_t c) {
     Spring& spring = springs_[c];
     const double closing = -dot(spring.velocity, touches_[c].normal);
     // A spring that opens keeps the potential it was loaded with.
     if (spring.ratio <= 1 || closing <= 0) spring.potential.largest_ratio = memory_[c].spring.largest_ratio;
-    if (spring.ratio <= 1) continue;
+    if (spring.ratio <= 1) return inf;
     double wanted = inf;
     const bool nears_limit = elastic_depth(c) > hard_share * spring.potential.limit;
     if (spring.load > 1) {
@@ -148,12 +157,18 @@ void ContactModel::want_step(const StepTimes& times) {
     }
     const double left = std::max(spring.potential.limit - elastic_depth(c), 0.0);
     if (nears_limit && closing * times.dt > approach * left) wanted = std::min(wanted, approach * left / closing);
-    wanted = std::max(wanted, shortest_next_step * times.dt);
-    if (wanted < wanted_step_) {
-      wanted_step_ = wanted;
-      wanting_ = c;
+    return std::max(wanted, shortest_next_step * times.dt);
+  };
+  for_chunks(touches_.size(), grain, [&](std::size_t part, std::size_t first, std::size_t last) {
+    for (std::size_t c = first; c < last; ++c)
+      if (const double wanted = wanted_by(c); wanted < parts[part].step) parts[part] = {wanted, c};
+  });
+  wanted_step_ = inf;
+  for (const Wanted& part : parts)
+    if (part.step < wanted_step_) {
+      wanted_step_ = part.step;
+      wanting_ = part.touch;
     }
-  }
 }
 
 std::string ContactModel::step_reason() const {
@@ -164,45 +179,40 @@ std::string ContactModel::step_reason() const {
                      touch.point[2], touch.limit);
 }
 
-void ContactModel::sum_at_nodes(const SparseRows& T, const std::vector<std::int32_t>& nodes,
-                                const std::vector<double>& at_vertices, Eigen::VectorXd& sums) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, nodes.size(), grain), [&](const auto& range) {
-    for (std::size_t k = range.begin(); k != range.end(); ++k) {
-      const std::size_t i = at(nodes[k]);
-      double sum = 0;
-      for (auto e = at(T.first[i]); e < at(T.first[i + 1]); ++e)
-        sum += std::abs(T.value[e]) * at_vertices[at(T.column[e])];
-      sums[nodes[k]] = sum;
-    }
-  });
-}
-
+// Of active vertices.
 void ContactModel::sum_at_vertices() {
-  for (auto& sums : vertex_sum_) std::fill(sums.begin(), sums.end(), 0.0);
-  for (std::size_t c = 0; c < touches_.size(); ++c) {
-    const Touch& touch = touches_[c];
-    const Spring& s = springs_[c];
-    const double k = s.stiffness * s.ratio * s.with_damping * s.scale * s.load;
-    for (int i = 0; i < touch.count; ++i) {
-      const Touch::Entry& e = touch.entries[at(i)];
-      vertex_sum_[e.surface][at(e.vertex)] += k * std::abs(e.weight);
-    }
+  for (std::size_t s = 0; s < surfaces_.size(); ++s) {
+    const auto& active = surfaces_[s].active();
+    for_indices(active.size(), grain, [&](std::size_t k) {
+      double sum = 0;
+      for (const TouchesAtVertices::Entry& e : at_vertices_.of(s, active[k])) {
+        const Spring& spring = springs_[at(e.touch)];
+        sum += spring.stiffness * spring.ratio * spring.with_damping * spring.scale * spring.load *
+               std::abs(touches_[at(e.touch)].entries[at(e.place)].weight);
+      }
+      vertex_sum_[s][at(active[k])] = sum;
+    });
   }
 }
 
 void ContactModel::load_rigid(const StepTimes& times) {
+  const std::size_t n = rigid_.size();
+  std::vector<double> parts(n * num_chunks(touches_.size(), grain), 0);
+  for_chunks(touches_.size(), grain, [&](std::size_t part, std::size_t first, std::size_t last) {
+    for (std::size_t c = first; c < last; ++c) {
+      const Touch& touch = touches_[c];
+      if (touch.rigid < 0 || !rigid_[at(touch.rigid)].is_free()) continue;
+      const RigidState& body = rigid_[at(touch.rigid)];
+      const Eigen::Vector3d& centre = body.pose().centre;
+      const Point3 arm = minus(touch.point, {centre[0], centre[1], centre[2]});
+      springs_[c].lever = 1 + norm(arm) / body.radius_of_gyration();
+      const Spring& s = springs_[c];
+      parts[n * part + at(touch.rigid)] += s.stiffness * s.ratio * s.with_damping * s.lever;
+    }
+  });
   std::fill(rigid_load_.begin(), rigid_load_.end(), 0.0);
-  for (std::size_t c = 0; c < touches_.size(); ++c) {
-    const Touch& touch = touches_[c];
-    if (touch.rigid < 0 || !rigid_[at(touch.rigid)].is_free()) continue;
-    const RigidState& body = rigid_[at(touch.rigid)];
-    const Eigen::Vector3d& centre = body.pose().centre;
-    const Point3 arm = minus(touch.point, {centre[0], centre[1], centre[2]});
-    springs_[c].lever = 1 + norm(arm) / body.radius_of_gyration();
-    const Spring& s = springs_[c];
-    rigid_load_[at(touch.rigid)] += s.stiffness * s.ratio * s.with_damping * s.lever;
-  }
-  for (std::size_t r = 0; r < rigid_.size(); ++r)
+  for (std::size_t k = 0; k < parts.size(); ++k) rigid_load_[k % n] += parts[k];
+  for (std::size_t r = 0; r < n; ++r)
     rigid_load_[r] = ratio(rigid_load_[r], times.budget * rigid_[r].mass() / (times.dt * times.dt));
 }
 
@@ -213,35 +223,36 @@ void ContactModel::keep_within_budget(std::span<const BodyState> bodies, const S
   for (std::size_t s = 0; s < surfaces_.size(); ++s) {
     const MovingSurface& surface = surfaces_[s];
     if (surface.is_rigid()) continue;
-    sum_at_nodes(surface.active_columns(), surface.active_nodes(), vertex_sum_[s], node_load_[s]);
-    for (const std::int32_t i : surface.active_nodes())
-      node_load_[s][i] = ratio(node_load_[s][i], room(bodies[surface.owner()], at(i), times));
+    each_node_sum(surface.active_columns(), surface.active_nodes(), vertex_sum_[s], [&](std::int32_t i, double sum) {
+      node_load_[s][i] = ratio(sum, room(bodies[surface.owner()], at(i), times));
+    });
   }
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, touches_.size(), grain), [&](const auto& range) {
-    for (std::size_t c = range.begin(); c != range.end(); ++c) {
+  std::vector<double> least(num_chunks(touches_.size(), grain), 1);
+  for_chunks(touches_.size(), grain, [&](std::size_t part, std::size_t first, std::size_t last) {
+    for (std::size_t c = first; c < last; ++c) {
       const Touch& touch = touches_[c];
       Spring& spring = springs_[c];
       spring.load = spring.lever > 0 ? spring.lever * rigid_load_[at(touch.rigid)] : 0;
       for (int i = 0; i < touch.count; ++i) {
         const Touch::Entry& e = touch.entries[at(i)];
-        spring.load += std::abs(e.weight) * over_row(surfaces_[e.surface].rows(), e.vertex, node_load_[e.surface]);
+        spring.load +=
+            std::abs(e.weight) * sum_of_sizes(surfaces_[e.surface].rows(), at(e.vertex), node_load_[e.surface].data());
       }
       spring.scale = share_of(spring.load);
+      least[part] = std::min(least[part], spring.scale);
+      if (!(spring.load < inf)) spring.load = 0; // without force
     }
   });
-  for (Spring& spring : springs_) {
-    report_.least_scale = std::min(report_.least_scale, spring.scale);
-    if (!(spring.load < inf)) spring.load = 0; // without force
-  }
+  for (const double scale : least) report_.least_scale = std::min(report_.least_scale, scale);
   // What the springs take of each node's room: Σ k |a_i| load / load_i, at most all of it.
   sum_at_vertices();
   for (std::size_t s = 0; s < surfaces_.size(); ++s) {
     const MovingSurface& surface = surfaces_[s];
     if (surface.is_rigid()) continue;
-    sum_at_nodes(surface.active_columns(), surface.active_nodes(), vertex_sum_[s], node_sum_[s]);
-    Eigen::VectorXd& sum = *bodies[surface.owner()].penalty_sum;
-    for (const std::int32_t i : surface.active_nodes())
-      if (node_load_[s][i] > 0) sum[i] += node_sum_[s][i] / node_load_[s][i];
+    Eigen::VectorXd& penalty_sum = *bodies[surface.owner()].penalty_sum;
+    each_node_sum(surface.active_columns(), surface.active_nodes(), vertex_sum_[s], [&](std::int32_t i, double sum) {
+      if (node_load_[s][i] > 0) penalty_sum[i] += sum / node_load_[s][i];
+    });
   }
 }
 

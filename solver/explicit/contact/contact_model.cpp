@@ -3,11 +3,10 @@
 #include "format/model/errors.hpp"
 #include "format/model/vec3.hpp"
 #include "solver/base/index.hpp"
+#include "solver/base/parallel.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 namespace iga::solve {
 
@@ -22,6 +21,7 @@ constexpr double entry_rounding = 1e-6;
 // one by this, so that a step that varies a little leaves them as they are.
 constexpr double step_margin = 1.1;
 
+constexpr std::size_t chunk = 1024;          // touches whose cheap sums one thread takes
 constexpr std::size_t numbers_of_touch = 15; // that a restart keeps
 
 constexpr std::uint64_t pair_key(std::size_t pair, std::uint64_t key) {
@@ -42,10 +42,10 @@ ContactModel::ContactModel(std::vector<ContactSurface> surfaces, std::vector<Rig
     largest_steps_.push_back(std::numeric_limits<double>::infinity());
     if (surfaces[b].wave_speed > 0 && std::any_of(pairs.begin(), pairs.end(), touches))
       largest_steps_.back() = options.step * surfaces[b].span_size / surfaces[b].wave_speed;
-    force_.emplace_back(Eigen::VectorXd::Zero(3 * surfaces[b].S.cols()));
+    last_force_.emplace_back(Eigen::VectorXd::Zero(3 * surfaces[b].S.cols()));
     surfaces_.emplace_back(std::move(surfaces[b]), b);
   }
-  last_force_ = force_;
+  last_touched_.resize(last_force_.size());
   std::vector<std::ptrdiff_t> tool;
   for (RigidBody& body : rigid) {
     tool.push_back(-1);
@@ -64,25 +64,28 @@ ContactModel::ContactModel(std::vector<ContactSurface> surfaces, std::vector<Rig
     vertex_sum_.emplace_back(s.mesh().vertices.size(), 0);
     vertex_force_.emplace_back(s.mesh().vertices.size(), Point3{});
     node_load_.emplace_back(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(s.columns().rows())));
-    node_sum_.push_back(node_load_.back());
   }
   rigid_load_.assign(rigid_.size(), 0);
 }
 
 PenaltyEnergy ContactModel::add_forces(const StepTimes& times, std::span<const BodyState> bodies) {
+  lap(Phase::Loads);
   for (RigidState& body : rigid_) body.clear_force();
   report_.energy = {};
   report_.least_scale = 1;
   if (!started_ && !overlaps_are_checked_) refuse_deep_overlaps(bodies);
   look_where_stale(bodies);
+  lap(Phase::Search);
   move(bodies);
   find(bodies, times);
+  lap(Phase::Touches);
   if (reference_dt_ == 0 || times.dt > 1.05 * reference_dt_) share_budget(bodies, times);
   set_springs();
   keep_within_budget(bodies, times);
   want_step(times);
   apply_forces(times);
   hand_back(bodies, times);
+  lap(Phase::Contact);
   started_ = true;
   return report_.energy;
 }
@@ -176,67 +179,111 @@ Point3 ContactModel::relative_velocity(const Touch& touch, std::span<const BodyS
 }
 
 void ContactModel::find(std::span<const BodyState> bodies, const StepTimes& times) {
-  touches_.clear();
-  pair_of_.clear();
-  springs_.clear();
+  std::size_t num_pieces = 0;
+  for (std::size_t p = 0; p < searches_.size(); ++p)
+    for (const CandidatePiece& candidates : candidate_pieces(searches_[p])) {
+      if (num_pieces == pieces_.size()) pieces_.emplace_back();
+      pieces_[num_pieces].pair = p;
+      pieces_[num_pieces++].candidates = candidates;
+    }
+  is_used_.assign(memory_.size(), 0);
+  for_indices(num_pieces, 1, [&](std::size_t i) { find(pieces_[i], bodies, times); });
+  std::vector<std::size_t> first{0};
+  for (const FoundPiece& piece : std::span(pieces_).first(num_pieces)) {
+    if (piece.too_fast) refuse(*piece.too_fast, piece.pair, piece.way, times.time);
+    first.push_back(first.back() + piece.touches.size());
+  }
+  touches_.resize(first.back());
+  pair_of_.resize(first.back());
+  springs_.resize(first.back());
+  next_memory_.resize(first.back());
+  for_indices(num_pieces, 4, [&](std::size_t i) { take_over(pieces_[i], first[i]); });
+  // What springs that are gone held in reserve.
+  std::vector<double> lost(num_chunks(memory_.size(), chunk), 0);
+  for_chunks(memory_.size(), chunk, [&](std::size_t c, std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k)
+      if (!is_used_[k]) lost[c] += memory_[k].spring.reserve;
+  });
+  for (const double part : lost) report_.energy.damping += part;
+  memory_.swap(next_memory_);
+  at_vertices_.find(touches_, surfaces_);
+  if (started_) return;
+  for (const Touch& touch : touches_) {
+    if (!(touch.depth > 0)) continue;
+    report_.initial_depth = std::max(report_.initial_depth, touch.depth);
+    ++report_.initial_touches;
+  }
+}
+
+void ContactModel::refuse(const Touch& touch, std::size_t p, double way, double time) const {
+  throw NumericalError(fmt::format("contact '{}' at time {:.6g}: sides move {:.3g} against each other in one "
+                                   "step near ({:.6g}, {:.6g}, {:.6g}), spans are {:.3g}: they could pass each "
+                                   "other; take shorter steps or look for a body that blows up",
+                                   searches_[p].pair().name, time, way, touch.point[0], touch.point[1], touch.point[2],
+                                   surfaces_[searches_[p].first()].span_size()));
+}
+
+void ContactModel::find(FoundPiece& piece, std::span<const BodyState> bodies, const StepTimes& times) {
+  const PairSearch& search = searches_[piece.pair];
+  const double h = surfaces_[search.first()].span_size();
   // A single step cut short, as the last one of a run, says nothing.
   const double shorter = reference_dt_ / (step_margin * std::max(times.dt, times.dt_last));
   const double factor = std::max(1.0, shorter * shorter);
-  std::vector<Memory> next;
-  auto known = memory_.begin(); // both ascend
-  double lost = 0;              // what springs that are gone held in reserve
-  for (std::size_t p = 0; p < searches_.size(); ++p) {
-    const double h = surfaces_[searches_[p].first()].span_size();
-    std::vector<Touch> found = find_touches(searches_[p], surfaces_, rigid_);
-    std::vector<Point3> velocities(found.size());
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, found.size(), 64), [&](const auto& range) {
-      for (std::size_t c = range.begin(); c != range.end(); ++c)
-        velocities[c] = relative_velocity(found[c], bodies, times);
-    });
-    for (std::size_t c = 0; c < found.size(); ++c) {
-      Touch& touch = found[c];
-      touch.key = pair_key(p, touch.key);
-      const Point3& velocity = velocities[c];
-      const double way = norm(velocity) * (started_ ? times.dt_last : 0);
-      if (way > longest_step * h)
-        throw NumericalError(fmt::format("contact '{}' at time {:.6g}: sides move {:.3g} against each other in one "
-                                         "step near ({:.6g}, {:.6g}, {:.6g}), spans are {:.3g}: they could pass each "
-                                         "other; take shorter steps or look for a body that blows up",
-                                         searches_[p].pair().name, times.time, way, touch.point[0], touch.point[1],
-                                         touch.point[2], h));
-      Memory memory{touch.key, {}, 0, touch.depth, 0, factor, touch.area, {}};
-      for (; known != memory_.end() && known->key < touch.key; ++known) lost += known->spring.reserve;
-      if (known != memory_.end() && known->key == touch.key) {
-        memory = *known++;
-        const double last_depth = memory.depth;
-        memory.baseline = std::min(memory.baseline, touch.depth);
-        SpringEnergy& spring = memory.spring;
-        // Depth that no motion explains, because another face is the nearest one now, is no work put into the spring.
-        spring.shift += std::max(0.0, touch.depth - last_depth - entry_allowance * way - entry_rounding * h);
-        spring.shift = std::min(spring.shift, touch.depth - memory.baseline);
-        memory.depth = touch.depth;
-        memory.area = std::max(memory.area, touch.area);
-      } else {
-        const double entered = entry_allowance * way + entry_rounding * h;
-        const bool from_outside = started_ && touch.depth <= entered;
-        // A vertex of the same body that did not come from outside lies on the far side of its own wall.
-        if (!from_outside && searches_[p].is_self()) continue;
-        if (!from_outside) memory.baseline = started_ ? touch.depth - entered : touch.depth;
-      }
-      if (!started_ && touch.depth > 0) {
-        report_.initial_depth = std::max(report_.initial_depth, touch.depth);
-        ++report_.initial_touches;
-      }
-      touches_.push_back(touch);
-      pair_of_.push_back(p);
-      springs_.push_back({});
-      springs_.back().velocity = velocity;
-      next.push_back(memory);
+  piece.touches.clear();
+  piece.memory.clear();
+  piece.velocity.clear();
+  piece.too_fast.reset();
+  for (std::size_t k = piece.candidates.first; k < piece.candidates.last; ++k) {
+    auto touch = touch_of(search, piece.candidates, k, surfaces_, rigid_);
+    if (!touch) continue;
+    touch->key = pair_key(piece.pair, touch->key);
+    const Point3 velocity = relative_velocity(*touch, bodies, times);
+    const double way = norm(velocity) * (started_ ? times.dt_last : 0);
+    if (way > longest_step * h) {
+      piece.too_fast = touch;
+      piece.way = way;
+      return;
     }
+    Memory memory;
+    if (!remember(piece.pair, *touch, way, factor, memory)) continue;
+    piece.touches.push_back(*touch);
+    piece.memory.push_back(memory);
+    piece.velocity.push_back(velocity);
   }
-  for (; known != memory_.end(); ++known) lost += known->spring.reserve;
-  report_.energy.damping += lost;
-  memory_ = std::move(next);
+}
+
+// Does the touch count, and what is known of it?
+bool ContactModel::remember(std::size_t p, const Touch& touch, double way, double factor, Memory& memory) {
+  const double h = surfaces_[searches_[p].first()].span_size();
+  const double entered = entry_allowance * way + entry_rounding * h;
+  if (const Memory* known = remembered(touch.key)) {
+    is_used_[at(known - memory_.data())] = 1;
+    memory = *known;
+    memory.baseline = std::min(memory.baseline, touch.depth);
+    SpringEnergy& spring = memory.spring;
+    // Depth that no motion explains, because another face is the nearest one now, is no work put into the spring.
+    spring.shift += std::max(0.0, touch.depth - memory.depth - entered);
+    spring.shift = std::min(spring.shift, touch.depth - memory.baseline);
+    memory.depth = touch.depth;
+    memory.area = std::max(memory.area, touch.area);
+    return true;
+  }
+  memory = {touch.key, {}, 0, touch.depth, 0, factor, touch.area, {}};
+  const bool from_outside = started_ && touch.depth <= entered;
+  // A vertex of the same body that did not come from outside lies on the far side of its own wall.
+  if (!from_outside && searches_[p].is_self()) return false;
+  if (!from_outside) memory.baseline = started_ ? touch.depth - entered : touch.depth;
+  return true;
+}
+
+void ContactModel::take_over(const FoundPiece& piece, std::size_t first) {
+  for (std::size_t k = 0; k < piece.touches.size(); ++k) {
+    touches_[first + k] = piece.touches[k];
+    next_memory_[first + k] = piece.memory[k];
+    pair_of_[first + k] = piece.pair;
+    springs_[first + k] = {};
+    springs_[first + k].velocity = piece.velocity[k];
+  }
 }
 
 std::vector<SavedArray> ContactModel::save() const {
@@ -276,6 +323,7 @@ void ContactModel::load(std::span<const SavedArray> arrays) {
     density_[s] = (++next)->values;
     Eigen::VectorXd& f = last_force_[surfaces_[s].owner()];
     f = Eigen::Map<const Eigen::VectorXd>((++next)->values.data(), f.size());
+    last_touched_[surfaces_[s].owner()].clear();
   }
   memory_.clear();
   const std::vector<double>& touches = (++next)->values;

@@ -1,8 +1,9 @@
 // Penalty contact of all bodies: forces, friction, energies. See README.md for the equations.
 #pragma once
 
+#include "solver/base/phase_clock.hpp"
 #include "solver/explicit/contact/contact_spring.hpp"
-#include "solver/explicit/contact/touch.hpp"
+#include "solver/explicit/contact/touches_at_vertices.hpp"
 #include "solver/explicit/motion/force_source.hpp"
 
 namespace iga::solve {
@@ -81,6 +82,9 @@ class ContactModel : public PenaltySource {
   /// Of drives and of gravity on rigid bodies.
   double external_work() const override;
 
+  /// Takes laps of its phases from now on. Has to outlive it.
+  void use_clock(PhaseClock& clock) { clock_ = &clock; }
+
   const ContactReport& report() const { return report_; }
   std::vector<RigidState>& rigid() { return rigid_; }
   const std::vector<RigidState>& rigid() const { return rigid_; }
@@ -111,9 +115,29 @@ class ContactModel : public PenaltySource {
     Point3 velocity{}; ///< relative, of the side pushed along the normal
   };
 
+  /// Touches of some candidates, those that count, and what is known of each.
+  struct FoundPiece {
+    std::size_t pair = 0;
+    CandidatePiece candidates;
+    std::vector<Touch> touches;
+    std::vector<Memory> memory;
+    std::vector<Point3> velocity;
+    std::optional<Touch> too_fast; ///< the first one whose sides moved too far in the step
+    double way = 0;                ///< of that one, length
+  };
+  /// Sums over a part of the touches.
+  struct PartialSums;
+
+  void lap(Phase phase) const {
+    if (clock_) clock_->lap(phase);
+  }
   void look_where_stale(std::span<const BodyState> bodies);
   void move(std::span<const BodyState> bodies);
   void find(std::span<const BodyState> bodies, const StepTimes& times);
+  [[noreturn]] void refuse(const Touch& touch, std::size_t pair, double way, double time) const;
+  void find(FoundPiece& piece, std::span<const BodyState> bodies, const StepTimes& times);
+  bool remember(std::size_t pair, const Touch& touch, double way, double factor, Memory& memory);
+  void take_over(const FoundPiece& piece, std::size_t first);
   const Memory* remembered(std::uint64_t key) const;
   Point3 relative_velocity(const Touch& touch, std::span<const BodyState> bodies, const StepTimes& times) const;
 
@@ -124,13 +148,13 @@ class ContactModel : public PenaltySource {
   double elastic_depth(std::size_t touch) const;
   void load_rigid(const StepTimes& times);
   void sum_at_vertices();
-  static void sum_at_nodes(const SparseRows& columns, const std::vector<std::int32_t>& nodes,
-                           const std::vector<double>& at_vertices, Eigen::VectorXd& sums);
 
   void apply_forces(const StepTimes& times);
-  Point3 friction(const Touch& touch, const Spring& spring, const ContactPair& pair, double normal_force,
-                  const StepTimes& times, Memory& memory);
+  void apply_force(std::size_t touch, const StepTimes& times, PartialSums& sums);
+  static Point3 friction(const Touch& touch, const Spring& spring, const ContactPair& pair, double normal_force,
+                         const StepTimes& times, Memory& memory, PenaltyEnergy& energy);
   void hand_back(std::span<const BodyState> bodies, const StepTimes& times);
+  double hand_back(const MovingSurface& surface, const BodyState& body, const std::vector<Point3>& at_vertices);
 
   std::vector<MovingSurface> surfaces_;
   std::vector<RigidState> rigid_;
@@ -146,12 +170,20 @@ class ContactModel : public PenaltySource {
   std::vector<std::vector<double>> vertex_sum_; ///< per surface and vertex: Σ k |weight| of this step
   std::vector<std::vector<Point3>> vertex_force_;
   std::vector<Touch> touches_; ///< ascending by key
+  TouchesAtVertices at_vertices_;
+  std::vector<Point3> touch_force_; ///< per touch, on the side pushed along the normal
   std::vector<std::size_t> pair_of_;
   std::vector<Spring> springs_;
-  std::vector<Memory> memory_;                        ///< ascending by key
-  std::vector<Eigen::VectorXd> node_load_, node_sum_; ///< per surface: share of a node's room, (num_nodes)
+  std::vector<Memory> memory_;             ///< ascending by key
+  std::vector<FoundPiece> pieces_;         ///< these three keep their memory from step to step
+  std::vector<Memory> next_memory_;        ///< of this step, while memory_ is that of the last one
+  std::vector<std::uint8_t> is_used_;      ///< per entry of memory_: does it go on?
+  std::vector<Eigen::VectorXd> node_load_; ///< per surface: share of a node's room, (num_nodes)
   std::vector<double> rigid_load_;
-  std::vector<Eigen::VectorXd> force_, last_force_; ///< per deformable body, (3 num_nodes)
+  std::vector<Eigen::VectorXd> last_force_; ///< per deformable body, (3 num_nodes)
+  std::vector<std::vector<std::uint8_t>>
+      last_touched_; ///< per body and piece of its nodes: may last_force_ be other than zero?
+  PhaseClock* clock_ = nullptr;
 };
 
 } // namespace iga::solve

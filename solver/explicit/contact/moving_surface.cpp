@@ -2,12 +2,12 @@
 
 #include "format/model/vec3.hpp"
 #include "solver/base/index.hpp"
+#include "solver/base/parallel.hpp"
+#include "solver/explicit/contact/row_sums.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 namespace iga::solve {
 
@@ -15,24 +15,6 @@ namespace {
 
 // Vertices per task: a few microseconds of work.
 constexpr std::size_t grain = 128;
-
-Point3 combine(const SparseRows& S, std::size_t v, const Eigen::VectorXd& nodal) {
-  Point3 sum{};
-  for (auto e = at(S.first[v]); e < at(S.first[v + 1]); ++e) {
-    const double N = S.value[e];
-    const double* c = nodal.data() + 3 * static_cast<std::ptrdiff_t>(S.column[e]);
-    sum[0] += N * c[0];
-    sum[1] += N * c[1];
-    sum[2] += N * c[2];
-  }
-  return sum;
-}
-
-template <class Work> void for_each(std::size_t n, Work&& work) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, grain), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i != range.end(); ++i) work(i);
-  });
-}
 
 } // namespace
 
@@ -70,45 +52,53 @@ void MovingSurface::activate(std::vector<std::uint8_t> is_active) {
   if (rigid_) return;
   SparseRows& T = active_columns_;
   T.first.assign(columns_.rows() + 1, 0);
-  const auto each_entry = [&](auto&& visit) {
-    for (const std::int32_t v : active_)
-      for (auto e = at(rows_.first[at(v)]); e < at(rows_.first[at(v) + 1]); ++e) visit(v, e);
+  const auto each_entry = [&](std::size_t k, auto&& visit) { // of the k-th node
+    for (auto e = at(columns_.first[at(nodes_[k])]); e < at(columns_.first[at(nodes_[k]) + 1]); ++e)
+      if (is_active[at(columns_.column[e])]) visit(e);
   };
-  each_entry([&](std::int32_t, std::size_t e) { ++T.first[at(rows_.column[e]) + 1]; });
+  for_indices(nodes_.size(), grain, [&](std::size_t k) {
+    std::int32_t count = 0;
+    each_entry(k, [&](std::size_t) { ++count; });
+    T.first[at(nodes_[k]) + 1] = count;
+  });
   std::partial_sum(T.first.begin(), T.first.end(), T.first.begin());
   T.column.resize(at(T.first.back()));
   T.value.resize(at(T.first.back()));
-  std::vector<std::int32_t> next(T.first.begin(), T.first.end() - 1);
-  each_entry([&](std::int32_t v, std::size_t e) {
-    const std::size_t place = at(next[at(rows_.column[e])]++);
-    T.column[place] = v;
-    T.value[place] = rows_.value[e];
+  for_indices(nodes_.size(), grain, [&](std::size_t k) {
+    std::size_t place = at(T.first[at(nodes_[k])]);
+    each_entry(k, [&](std::size_t e) {
+      T.column[place] = columns_.column[e];
+      T.value[place++] = columns_.value[e];
+    });
   });
-  for (std::size_t i = 0; i < columns_.rows(); ++i)
-    if (T.first[i] < T.first[i + 1]) active_nodes_.push_back(static_cast<std::int32_t>(i));
+  for (const std::int32_t i : nodes_)
+    if (T.first[at(i)] < T.first[at(i) + 1]) active_nodes_.push_back(i);
 }
 
 void MovingSurface::move_active(const BodyState& state) {
-  for_each(active_.size(), [&](std::size_t k) {
+  for_indices(active_.size(), grain, [&](std::size_t k) {
     const std::size_t v = at(active_[k]);
-    x_[v] = plus(mesh_.vertices[v], combine(rows_, v, *state.displacement));
+    x_[v] = plus(mesh_.vertices[v], combine_row(rows_, v, state.displacement->data()));
   });
 }
 
 void MovingSurface::move_all(const BodyState& state) {
-  for_each(x_.size(), [&](std::size_t v) { x_[v] = plus(mesh_.vertices[v], combine(rows_, v, *state.displacement)); });
+  for_indices(x_.size(), grain, [&](std::size_t v) {
+    x_[v] = plus(mesh_.vertices[v], combine_row(rows_, v, state.displacement->data()));
+  });
 }
 
 void MovingSurface::move_active(const RigidState& state) {
-  for (const std::int32_t v : active_) x_[at(v)] = state.to_space(mesh_.vertices[at(v)]);
+  for_indices(active_.size(), grain,
+              [&](std::size_t k) { x_[at(active_[k])] = state.to_space(mesh_.vertices[at(active_[k])]); });
 }
 
 Point3 MovingSurface::velocity(std::int32_t v, const BodyState& state) const {
-  return combine(rows_, at(v), *state.velocity);
+  return combine_row(rows_, at(v), state.velocity->data());
 }
 
 void MovingSurface::move_all(const RigidState& state) {
-  for (std::size_t v = 0; v < x_.size(); ++v) x_[v] = state.to_space(mesh_.vertices[v]);
+  for_indices(x_.size(), grain, [&](std::size_t v) { x_[v] = state.to_space(mesh_.vertices[v]); });
 }
 
 Point3 MovingSurface::normal_now(std::int32_t face) const {

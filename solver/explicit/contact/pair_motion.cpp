@@ -1,7 +1,7 @@
 #include "solver/explicit/contact/pair_motion.hpp"
 
 #include "format/model/vec3.hpp"
-#include "solver/base/index.hpp"
+#include "solver/base/parallel.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,9 +10,37 @@ namespace iga::solve {
 
 namespace {
 
+constexpr std::size_t chunk = 1024; // nodes or vertices whose sums one thread takes
+
+/// Σ of(i), i = 0 … count - 1; the same for any number of threads.
+template <class Sum, class Of> Sum sum_of(std::size_t count, const Sum& zero, const Of& of) {
+  std::vector<Sum> parts(num_chunks(count, chunk), zero);
+  for_chunks(count, chunk, [&](std::size_t c, std::size_t first, std::size_t last) {
+    Sum sum = zero;
+    for (std::size_t i = first; i < last; ++i) sum += of(i);
+    parts[c] = sum;
+  });
+  Sum sum = zero;
+  for (const Sum& part : parts) sum += part;
+  return sum;
+}
+
+template <class Of> double largest_of(std::size_t count, const Of& of) {
+  std::vector<double> parts(num_chunks(count, chunk), 0);
+  for_chunks(count, chunk, [&](std::size_t c, std::size_t first, std::size_t last) {
+    double largest = 0;
+    for (std::size_t i = first; i < last; ++i) largest = std::max(largest, of(i));
+    parts[c] = largest;
+  });
+  double largest = 0;
+  for (const double part : parts) largest = std::max(largest, part);
+  return largest;
+}
+
 Point3 mean_motion(const std::vector<std::int32_t>& nodes, const Eigen::VectorXd& now, const Eigen::VectorXd& then) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const std::int32_t i : nodes) sum += now.segment<3>(3 * i) - then.segment<3>(3 * i);
+  Eigen::Vector3d sum = sum_of(nodes.size(), Eigen::Vector3d::Zero().eval(), [&](std::size_t k) -> Eigen::Vector3d {
+    return now.segment<3>(3 * nodes[k]) - then.segment<3>(3 * nodes[k]);
+  });
   sum /= static_cast<double>(std::max<std::size_t>(nodes.size(), 1));
   return {sum[0], sum[1], sum[2]};
 }
@@ -21,11 +49,11 @@ Point3 mean_motion(const std::vector<std::int32_t>& nodes, const Eigen::VectorXd
 double largest_motion(const MovingSurface& s, const Eigen::VectorXd& now, const Eigen::VectorXd& then,
                       const Point3& beside) {
   const Eigen::Vector3d w(beside[0], beside[1], beside[2]);
-  double largest2 = 0;
-  for (const std::int32_t i : s.nodes())
-    largest2 = std::max(largest2, (now.segment<3>(3 * i) - then.segment<3>(3 * i) - w).squaredNorm() *
-                                      (s.reach_of_node(i) * s.reach_of_node(i)));
-  return std::sqrt(largest2);
+  return std::sqrt(largest_of(s.nodes().size(), [&](std::size_t k) {
+    const std::int32_t i = s.nodes()[k];
+    return (now.segment<3>(3 * i) - then.segment<3>(3 * i) - w).squaredNorm() *
+           (s.reach_of_node(i) * s.reach_of_node(i));
+  }));
 }
 
 Eigen::Vector3d vector_of(const Point3& x) {
@@ -39,9 +67,8 @@ struct AffineMotion {
 };
 
 Eigen::Vector3d mean_of(const std::vector<Point3>& x) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const Point3& p : x) sum += vector_of(p);
-  return sum / static_cast<double>(std::max<std::size_t>(x.size(), 1));
+  return sum_of(x.size(), Eigen::Vector3d::Zero().eval(), [&](std::size_t v) { return vector_of(x[v]); }) /
+         static_cast<double>(std::max<std::size_t>(x.size(), 1));
 }
 
 AffineMotion translation_of(const std::vector<Point3>& then, const std::vector<Point3>& now) {
@@ -54,12 +81,16 @@ AffineMotion translation_of(const std::vector<Point3>& then, const std::vector<P
 /// Least squares over all vertices.
 AffineMotion affine_motion_of(const std::vector<Point3>& then, const std::vector<Point3>& now) {
   AffineMotion motion = translation_of(then, now);
-  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero(), moved = Eigen::Matrix3d::Zero();
-  for (std::size_t v = 0; v < then.size(); ++v) {
+  using Both = Eigen::Matrix<double, 6, 3>;
+  const Both sums = sum_of(then.size(), Both::Zero().eval(), [&](std::size_t v) {
     const Eigen::Vector3d x = vector_of(then[v]) - motion.centre;
-    spread += x * x.transpose();
-    moved += (vector_of(now[v]) - vector_of(then[v]) - motion.translation) * x.transpose();
-  }
+    Both both;
+    both.topRows<3>() = x * x.transpose();
+    both.bottomRows<3>() = (vector_of(now[v]) - vector_of(then[v]) - motion.translation) * x.transpose();
+    return both;
+  });
+  Eigen::Matrix3d spread = sums.topRows<3>();
+  const Eigen::Matrix3d moved = sums.bottomRows<3>();
   // A closed surface spreads in all directions; the shift keeps a sheet from dividing by zero.
   spread.diagonal().array() += 1e-9 * spread.trace();
   if (spread.trace() > 0) motion.gradient = moved * spread.inverse();
@@ -67,20 +98,19 @@ AffineMotion affine_motion_of(const std::vector<Point3>& then, const std::vector
 }
 
 double largest_residual(const AffineMotion& motion, const std::vector<Point3>& then, const std::vector<Point3>& now) {
-  double largest2 = 0;
-  for (std::size_t v = 0; v < then.size(); ++v) {
+  return std::sqrt(largest_of(then.size(), [&](std::size_t v) {
     const Eigen::Vector3d x = vector_of(then[v]);
     const Eigen::Vector3d r = vector_of(now[v]) - x - motion.translation - motion.gradient * (x - motion.centre);
-    largest2 = std::max(largest2, r.squaredNorm());
-  }
-  return std::sqrt(largest2);
+    return r.squaredNorm();
+  }));
 }
 
 /// Positions of the first side, seen from a rigid second one.
 std::vector<Point3> places(const PairSides& sides) {
-  std::vector<Point3> x = sides.first->positions();
-  if (sides.rigid)
-    for (Point3& p : x) p = sides.rigid->to_body(p);
+  const std::vector<Point3>& positions = sides.first->positions();
+  if (!sides.rigid) return positions;
+  std::vector<Point3> x(positions.size());
+  for_indices(x.size(), chunk, [&](std::size_t v) { x[v] = sides.rigid->to_body(positions[v]); });
   return x;
 }
 

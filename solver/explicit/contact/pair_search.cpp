@@ -5,14 +5,15 @@
 #include "format/model/vec3.hpp"
 #include "solver/base/closest_point.hpp"
 #include "solver/base/index.hpp"
+#include "solver/base/parallel.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <limits>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
 
 namespace iga::solve {
 
@@ -34,8 +35,12 @@ constexpr double skin_edges = 0.5;
 constexpr double same_way = 0.75;
 // Edges take part that come within this many skins of each other: the deepest may be that far apart.
 constexpr double edge_reach = 4;
+// Pieces of work that the search in one body is cut into.
+constexpr std::size_t close_parts = 256;
 // Candidates whose sides have moved by more than this share of what they last for are not worth another measurement.
 constexpr double worth_keeping = 0.6;
+
+constexpr std::size_t chunk = 1024; // of cheap work on vertices and faces
 
 /// Edge of an equilateral triangle of the mean area.
 double typical_edge(const MovingSurface& s) {
@@ -47,10 +52,10 @@ double typical_edge(const MovingSurface& s) {
 
 std::vector<Point3> unit_normals(const MovingSurface& s) {
   std::vector<Point3> normals(s.mesh().triangles.size());
-  for (std::size_t f = 0; f < normals.size(); ++f) {
+  for_indices(normals.size(), chunk, [&](std::size_t f) {
     normals[f] = s.normal_now(static_cast<std::int32_t>(f));
     if (const double length = norm(normals[f]); length > 0) normals[f] = times(normals[f], 1 / length);
-  }
+  });
   return normals;
 }
 
@@ -85,10 +90,49 @@ Box3 box_of(const MovingSurface& s, const Triangle& t) {
   return box;
 }
 
+constexpr Box3 empty_box{{inf, inf, inf}, {-inf, -inf, -inf}};
+
 Box3 box_of(const MovingSurface& s) {
-  Box3 box{{inf, inf, inf}, {-inf, -inf, -inf}};
-  for (const Point3& x : s.positions()) box = join(box, {x, x});
+  const std::vector<Point3>& x = s.positions();
+  std::vector<Box3> parts(num_chunks(x.size(), chunk), empty_box);
+  for_chunks(x.size(), chunk, [&](std::size_t c, std::size_t first, std::size_t last) {
+    Box3 box = empty_box;
+    for (std::size_t v = first; v < last; ++v) box = join(box, {x[v], x[v]});
+    parts[c] = box;
+  });
+  Box3 box = empty_box;
+  for (const Box3& part : parts) box = join(box, part);
   return box;
+}
+
+std::vector<Box3> face_boxes(const MovingSurface& s) {
+  std::vector<Box3> boxes(s.mesh().triangles.size());
+  for_indices(boxes.size(), chunk, [&](std::size_t f) { boxes[f] = box_of(s, s.mesh().triangles[f]); });
+  return boxes;
+}
+
+/// What lies within reach of something, and how near the nearest of all comes.
+struct Near {
+  std::vector<std::int32_t> numbers; ///< ascending
+  double smallest = inf;             ///< gap, length
+};
+template <class GapOf> Near within(double reach, std::size_t count, const GapOf& gap_of) {
+  std::vector<Near> parts(num_chunks(count, chunk));
+  for_chunks(count, chunk, [&](std::size_t c, std::size_t first, std::size_t last) {
+    Near near;
+    for (std::size_t i = first; i < last; ++i) {
+      const double gap = gap_of(i);
+      near.smallest = std::min(near.smallest, gap);
+      if (gap <= reach) near.numbers.push_back(static_cast<std::int32_t>(i));
+    }
+    parts[c] = std::move(near);
+  });
+  Near all;
+  for (const Near& part : parts) {
+    all.smallest = std::min(all.smallest, part.smallest);
+    all.numbers.insert(all.numbers.end(), part.numbers.begin(), part.numbers.end());
+  }
+  return all;
 }
 
 double gap_between(const Box3& a, const Box3& b) {
@@ -97,9 +141,20 @@ double gap_between(const Box3& a, const Box3& b) {
   return norm(gap);
 }
 
+/// No two are equal: one order only.
+void sort_in_parallel(std::vector<std::pair<std::int32_t, std::int32_t>>& pairs) {
+  const ParallelTime::Section section;
+  tbb::parallel_sort(pairs.begin(), pairs.end());
+}
+
+/// Several threads may mark one vertex.
+void mark_vertex(std::int32_t v, std::vector<std::uint8_t>& is_active) {
+  std::atomic_ref<std::uint8_t>(is_active[at(v)]).store(1, std::memory_order_relaxed);
+}
+
 void mark_ring(const ContactMesh& mesh, std::int32_t v, std::vector<std::uint8_t>& is_active) {
   for (const std::int32_t f : mesh.faces_of(v))
-    for (const std::int32_t w : mesh.triangles[at(f)]) is_active[at(w)] = 1;
+    for (const std::int32_t w : mesh.triangles[at(f)]) mark_vertex(w, is_active);
 }
 
 } // namespace
@@ -190,7 +245,12 @@ void PairSearch::look(const std::vector<MovingSurface>& surfaces, std::span<cons
       reach = 0;
       const Eigen::Vector3d& centre = body.pose().centre;
       const Point3 c{centre[0], centre[1], centre[2]};
-      for (const Point3& x : surfaces[first_].positions()) reach = std::max(reach, norm(minus(x, c)) + skin_);
+      // A plane's: as far as the first side reaches.
+      const Box3 box = box_of(surfaces[first_]);
+      Point3 farthest{};
+      for (std::size_t d = 0; d < 3; ++d)
+        farthest[d] = std::max(std::abs(box.lower[d] - c[d]), std::abs(box.upper[d] - c[d]));
+      reach = norm(farthest) + skin_;
     }
   }
   motion_.start(sides(surfaces, bodies, rigid), reach);
@@ -235,8 +295,7 @@ void PairSearch::look_at_faces(VertexFaceCandidates& pass, std::size_t number,
                                const std::vector<MovingSurface>& surfaces, const DepthOf& depth_of) {
   const MovingSurface &slave = surfaces[pass.slave], &master = surfaces[pass.master];
   const SideMask &vertices = mask(pass.slave), &faces = mask(pass.master);
-  std::vector<Box3> boxes(master.mesh().triangles.size());
-  for (std::size_t f = 0; f < boxes.size(); ++f) boxes[f] = box_of(master, master.mesh().triangles[f]);
+  const std::vector<Box3> boxes = face_boxes(master);
   if (self_) {
     look_at_own_faces(pass, boxes, master, depth_of);
     return;
@@ -248,20 +307,18 @@ void PairSearch::look_at_faces(VertexFaceCandidates& pass, std::size_t number,
   if (first_look_)
     for (const double thickness : master.mesh().thickness) first_reach = std::max(first_reach, 0.5 * thickness);
   std::vector<std::vector<std::int32_t>> found(slave.mesh().vertices.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, found.size(), 64), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i != range.end(); ++i) {
-      if (!vertices.vertex[i] || (pass.sharp_only && !slave.mesh().is_sharp[i])) continue;
-      const auto v = static_cast<std::int32_t>(i);
-      const Point3& x = slave.x(v);
-      const double reach = 2 * skin_ + std::max(first_reach, depth_of(number, v));
-      pass.tree.each_overlap(grown({x, x}, reach), [&](std::int32_t f) {
-        if (!faces.face[at(f)]) return;
-        const Triangle& t = master.mesh().triangles[at(f)];
-        if (closest_on_triangle(x, master.x(t[0]), master.x(t[1]), master.x(t[2])).distance2 <= reach * reach)
-          found[i].push_back(f);
-      });
-      std::sort(found[i].begin(), found[i].end());
-    }
+  for_indices(found.size(), 64, [&](std::size_t i) {
+    if (!vertices.vertex[i] || (pass.sharp_only && !slave.mesh().is_sharp[i])) return;
+    const auto v = static_cast<std::int32_t>(i);
+    const Point3& x = slave.x(v);
+    const double reach = 2 * skin_ + std::max(first_reach, depth_of(number, v));
+    pass.tree.each_overlap(grown({x, x}, reach), [&](std::int32_t f) {
+      if (!faces.face[at(f)]) return;
+      const Triangle& t = master.mesh().triangles[at(f)];
+      if (closest_on_triangle(x, master.x(t[0]), master.x(t[1]), master.x(t[2])).distance2 <= reach * reach)
+        found[i].push_back(f);
+    });
+    std::sort(found[i].begin(), found[i].end());
   });
   pass.vertex.clear();
   pass.faces.clear();
@@ -278,48 +335,52 @@ void PairSearch::look_at_own_faces(VertexFaceCandidates& pass, const std::vector
                                    const MovingSurface& surface, const DepthOf& depth_of) {
   const ContactMesh& mesh = surface.mesh();
   const std::vector<Point3> normals = unit_normals(surface);
-  std::vector<Box3> directions;
-  for (const Point3& n : normals) directions.push_back({n, n});
+  std::vector<Box3> directions(normals.size());
+  for_indices(normals.size(), chunk, [&](std::size_t f) { directions[f] = {normals[f], normals[f]}; });
   if (first_look_) pass.tree = Bvh(boxes);
   pass.tree.refit(boxes, directions);
   // Vertices look the way of any of their faces.
-  std::vector<Box3> places, ways;
-  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+  std::vector<Box3> places(mesh.vertices.size()), ways(mesh.vertices.size());
+  for_indices(places.size(), chunk, [&](std::size_t v) {
     const auto number = static_cast<std::int32_t>(v);
-    places.push_back({surface.x(number), surface.x(number)});
-    Box3 way{{inf, inf, inf}, {-inf, -inf, -inf}};
+    places[v] = {surface.x(number), surface.x(number)};
+    Box3 way = empty_box;
     for (const std::int32_t f : mesh.faces_of(number)) way = join(way, {normals[at(f)], normals[at(f)]});
-    ways.push_back(way);
-  }
+    ways[v] = way;
+  });
   if (first_look_) pass.vertex_tree = Bvh(places);
   pass.vertex_tree.refit(places, ways);
   const double reach = 2 * skin_;
   deepest_ = 0; // of vertices that touch: they were candidates
   for (const std::int32_t v : pass.vertex) deepest_ = std::max(deepest_, depth_of(0, v));
-  std::vector<std::pair<std::int32_t, std::int32_t>> found;
   const auto may_oppose = [&](std::int32_t v, const Point3& normal) {
     for (const std::int32_t f : mesh.faces_of(v))
       if (dot(normals[at(f)], normal) <= same_way) return true;
     return false;
   };
-  pass.vertex_tree.each_close_pair(
-      pass.tree, reach + deepest_,
-      [](const Box3& a, const Box3& b) { // do all look the same way?
-        double least = 0;
-        for (std::size_t d = 0; d < 3; ++d)
-          least += std::min(
-              {a.lower[d] * b.lower[d], a.lower[d] * b.upper[d], a.upper[d] * b.lower[d], a.upper[d] * b.upper[d]});
-        return least > same_way;
-      },
-      [&](std::int32_t v, std::int32_t f) {
-        if (!first_mask_.vertex[at(v)] || !first_mask_.face[at(f)]) return;
-        if (!may_oppose(v, normals[at(f)]) || are_neighbours(mesh, v, f)) return;
-        const Triangle& t = mesh.triangles[at(f)];
-        const double d2 =
-            closest_on_triangle(surface.x(v), surface.x(t[0]), surface.x(t[1]), surface.x(t[2])).distance2;
-        if (d2 <= reach * reach || std::sqrt(d2) <= reach + depth_of(0, v)) found.emplace_back(v, f);
-      });
-  std::sort(found.begin(), found.end());
+  const auto look_same_way = [](const Box3& a, const Box3& b) { // do all of them?
+    double least = 0;
+    for (std::size_t d = 0; d < 3; ++d)
+      least += std::min(
+          {a.lower[d] * b.lower[d], a.lower[d] * b.upper[d], a.upper[d] * b.lower[d], a.upper[d] * b.upper[d]});
+    return least > same_way;
+  };
+  const double apart = reach + deepest_;
+  const auto parts = pass.vertex_tree.close_parts(pass.tree, apart, look_same_way, close_parts);
+  using Pairs = std::vector<std::pair<std::int32_t, std::int32_t>>; // of vertex and face
+  std::vector<Pairs> of_part(parts.size());
+  for_indices(parts.size(), 1, [&](std::size_t p) {
+    pass.vertex_tree.each_close_pair(parts[p], pass.tree, apart, look_same_way, [&](std::int32_t v, std::int32_t f) {
+      if (!first_mask_.vertex[at(v)] || !first_mask_.face[at(f)]) return;
+      if (!may_oppose(v, normals[at(f)]) || are_neighbours(mesh, v, f)) return;
+      const Triangle& t = mesh.triangles[at(f)];
+      const double d2 = closest_on_triangle(surface.x(v), surface.x(t[0]), surface.x(t[1]), surface.x(t[2])).distance2;
+      if (d2 <= reach * reach || std::sqrt(d2) <= reach + depth_of(0, v)) of_part[p].emplace_back(v, f);
+    });
+  });
+  Pairs found;
+  for (const Pairs& pairs : of_part) found.insert(found.end(), pairs.begin(), pairs.end());
+  sort_in_parallel(found);
   pass.vertex.clear();
   pass.faces.clear();
   pass.offsets = {0};
@@ -337,27 +398,26 @@ void PairSearch::look_at_shape(VertexShapeCandidates& pass, const std::vector<Mo
                                const std::vector<RigidState>& rigid) {
   const MovingSurface& slave = surfaces[pass.slave];
   const RigidState& body = rigid[pass.rigid];
-  pass.vertex.clear();
-  double smallest = inf;
-  for (std::size_t v = 0; v < slave.mesh().vertices.size(); ++v) {
-    if (!mask(pass.slave).vertex[v]) continue;
-    const double gap = distance_to_shape(body.body().shape, body.to_body(slave.positions()[v])).gap;
-    smallest = std::min(smallest, gap);
-    if (gap <= skin_) pass.vertex.push_back(static_cast<std::int32_t>(v));
-  }
+  const SideMask& chosen = mask(pass.slave);
+  Near vertices = within(skin_, slave.mesh().vertices.size(), [&](std::size_t v) {
+    if (!chosen.vertex[v]) return inf;
+    return distance_to_shape(body.body().shape, body.to_body(slave.positions()[v])).gap;
+  });
+  pass.vertex = std::move(vertices.numbers);
+  double smallest = vertices.smallest;
   pass.face.clear();
   if (const auto* sphere = std::get_if<SphereShape>(&body.body().shape)) {
     const Eigen::Vector3d& c = body.pose().centre;
     const double offset = VertexShapeCandidates::face_offset * slave.span_size();
-    for (std::size_t f = 0; f < slave.mesh().triangles.size(); ++f) {
-      if (!mask(pass.slave).face[f]) continue;
+    Near faces = within(skin_, slave.mesh().triangles.size(), [&](std::size_t f) {
+      if (!chosen.face[f]) return inf;
       const Triangle& t = slave.mesh().triangles[f];
       const double distance2 =
           closest_on_triangle({c[0], c[1], c[2]}, slave.x(t[0]), slave.x(t[1]), slave.x(t[2])).distance2;
-      const double gap = std::sqrt(distance2) - sphere->radius + offset;
-      smallest = std::min(smallest, gap);
-      if (gap <= skin_) pass.face.push_back(static_cast<std::int32_t>(f));
-    }
+      return std::sqrt(distance2) - sphere->radius + offset;
+    });
+    pass.face = std::move(faces.numbers);
+    smallest = std::min(smallest, faces.smallest);
   }
   if (smallest > skin_) allowance_ = smallest;
 }
@@ -373,15 +433,18 @@ void PairSearch::look_at_edges(EdgeCandidates& pass, const std::vector<MovingSur
     }
     return b;
   };
-  std::vector<Box3> boxes;
-  for (const SharpEdge& e : others) boxes.push_back(box(second, e));
+  std::vector<Box3> boxes(others.size());
+  for_indices(boxes.size(), chunk, [&](std::size_t j) { boxes[j] = box(second, others[j]); });
   if (pass.tree.empty()) pass.tree = Bvh(boxes);
   pass.tree.refit(boxes);
   const SideMask &mask_first = mask(pass.first), &mask_second = mask(pass.second);
-  for (std::size_t i = 0; i < own.size(); ++i) {
+  using Pairs = std::vector<std::pair<std::int32_t, std::int32_t>>;
+  constexpr std::size_t grain = 64;
+  std::vector<Pairs> parts(num_chunks(own.size(), grain));
+  const auto look_at = [&](std::size_t i, Pairs& found) {
     const SharpEdge& e = own[i];
-    if (!mask_first.face[at(e.left)] && !mask_first.face[at(e.right)]) continue;
-    const std::size_t begin = pass.edges.size();
+    if (!mask_first.face[at(e.left)] && !mask_first.face[at(e.right)]) return;
+    const auto begin = static_cast<std::ptrdiff_t>(found.size());
     // Edges that touch lie as deep in each other as the faces beside them.
     pass.tree.each_overlap(grown(box(first, e), edge_reach * skin_), [&](std::int32_t j) {
       const SharpEdge& o = others[at(j)];
@@ -390,24 +453,33 @@ void PairSearch::look_at_edges(EdgeCandidates& pass, const std::vector<MovingSur
         if (at(j) <= i || o.a == e.a || o.a == e.b || o.b == e.a || o.b == e.b) return;
         if (are_neighbours(first.mesh(), e.a, o.left) || are_neighbours(first.mesh(), e.b, o.right)) return;
       }
-      pass.edges.emplace_back(static_cast<std::int32_t>(i), j);
+      found.emplace_back(static_cast<std::int32_t>(i), j);
     });
-    std::sort(pass.edges.begin() + static_cast<std::ptrdiff_t>(begin), pass.edges.end());
-  }
+    std::sort(found.begin() + begin, found.end());
+  };
+  for_chunks(own.size(), grain, [&](std::size_t c, std::size_t first_edge, std::size_t last_edge) {
+    for (std::size_t i = first_edge; i < last_edge; ++i) look_at(i, parts[c]);
+  });
+  for (const Pairs& part : parts) pass.edges.insert(pass.edges.end(), part.begin(), part.end());
 }
 
 void PairSearch::mark(const std::vector<MovingSurface>& surfaces,
                       std::vector<std::vector<std::uint8_t>>& is_active) const {
   for (const auto& pass : vertex_shape_) {
-    for (const std::int32_t v : pass.vertex) mark_ring(surfaces[pass.slave].mesh(), v, is_active[pass.slave]);
-    for (const std::int32_t f : pass.face)
-      for (const std::int32_t v : surfaces[pass.slave].mesh().triangles[at(f)]) is_active[pass.slave][at(v)] = 1;
+    const ContactMesh& slave = surfaces[pass.slave].mesh();
+    for_indices(pass.vertex.size(), chunk,
+                [&](std::size_t k) { mark_ring(slave, pass.vertex[k], is_active[pass.slave]); });
+    for_indices(pass.face.size(), chunk, [&](std::size_t k) {
+      for (const std::int32_t v : slave.triangles[at(pass.face[k])]) mark_vertex(v, is_active[pass.slave]);
+    });
   }
   for (const auto& pass : vertex_face_) {
-    for (const std::int32_t v : pass.vertex) mark_ring(surfaces[pass.slave].mesh(), v, is_active[pass.slave]);
-    const ContactMesh& master = surfaces[pass.master].mesh();
-    for (const std::int32_t f : pass.faces)
-      for (const std::int32_t v : master.triangles[at(f)]) mark_ring(master, v, is_active[pass.master]);
+    const ContactMesh &slave = surfaces[pass.slave].mesh(), &master = surfaces[pass.master].mesh();
+    for_indices(pass.vertex.size(), chunk,
+                [&](std::size_t k) { mark_ring(slave, pass.vertex[k], is_active[pass.slave]); });
+    for_indices(pass.faces.size(), chunk, [&](std::size_t k) {
+      for (const std::int32_t v : master.triangles[at(pass.faces[k])]) mark_ring(master, v, is_active[pass.master]);
+    });
   }
   for (const auto& pass : edges_)
     for (const auto& [i, j] : pass.edges) {

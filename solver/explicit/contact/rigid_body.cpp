@@ -133,6 +133,11 @@ void RigidState::add_force(const Point3& force, const Point3& x) {
   moment_ += (vec(x) - now_.centre).cross(vec(force));
 }
 
+void RigidState::add_resultant(const Point3& force, const Point3& moment) {
+  force_ += vec(force);
+  moment_ += vec(moment);
+}
+
 Pose RigidState::prescribed(double t) const {
   const auto& motion = std::get<PrescribedMotion>(body_.motion);
   const auto amount = [&](const TimeCurve& curve) {

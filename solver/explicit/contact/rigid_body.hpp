@@ -96,6 +96,7 @@ class RigidState {
   /// Resultants at t_n of all that acts from outside, moment about the centre. They begin at zero in each step.
   void clear_force();
   void add_force(const Point3& force, const Point3& x);
+  void add_resultant(const Point3& force, const Point3& moment);
   Point3 force() const { return {force_[0], force_[1], force_[2]}; }
   Point3 moment() const { return {moment_[0], moment_[1], moment_[2]}; }
 

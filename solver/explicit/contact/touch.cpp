@@ -7,8 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 namespace iga::solve {
 
@@ -26,7 +24,7 @@ constexpr double least_area_share = 0.1;
 // Faces take part in a contact where their normals oppose it by more than 6 degrees beyond square: the side of a block
 // has nothing to do with what stands on it, though it is as near to the edges.
 constexpr double least_facing = 0.1;
-constexpr std::size_t grain = 64;
+constexpr std::size_t grain = 64; // candidates of a piece
 
 /// Reference area of the faces around a vertex that look against `normal`.
 double facing_area(const MovingSurface& s, const SideMask& mask, std::int32_t v, const Point3& normal) {
@@ -226,29 +224,35 @@ std::optional<Touch> touch_edge(const PairSearch& search, std::size_t candidate,
   return touch;
 }
 
-std::vector<Touch> find_touches(const PairSearch& search, const std::vector<MovingSurface>& surfaces,
-                                const std::vector<RigidState>& rigid) {
-  std::vector<Touch> touches;
-  std::vector<std::optional<Touch>> found;
-  const auto collect = [&](std::size_t n, const auto& look) {
-    found.assign(n, std::nullopt);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, grain), [&](const auto& range) {
-      for (std::size_t k = range.begin(); k != range.end(); ++k) found[k] = look(k);
-    });
-    const auto count = std::count_if(found.begin(), found.end(), [](const auto& touch) { return touch.has_value(); });
-    touches.reserve(touches.size() + at(count));
-    for (const auto& touch : found)
-      if (touch) touches.push_back(*touch);
+std::vector<CandidatePiece> candidate_pieces(const PairSearch& search) {
+  using Kind = CandidatePiece::Kind;
+  std::vector<CandidatePiece> pieces;
+  const auto add = [&pieces](Kind kind, std::size_t pass, std::size_t count) {
+    for (std::size_t first = 0; first < count; first += grain)
+      pieces.push_back({kind, pass, first, std::min(count, first + grain)});
   };
   for (std::size_t p = 0; p < search.vertex_face().size(); ++p)
-    collect(search.vertex_face()[p].vertex.size(), [&](std::size_t k) { return touch_face(search, p, k, surfaces); });
+    add(Kind::Face, p, search.vertex_face()[p].vertex.size());
   for (const auto& pass : search.vertex_shape()) {
-    collect(pass.vertex.size(), [&](std::size_t k) { return touch_shape(search, k, surfaces, rigid); });
-    collect(pass.face.size(), [&](std::size_t k) { return touch_sphere(search, k, surfaces, rigid); });
+    add(Kind::Shape, 0, pass.vertex.size());
+    add(Kind::Sphere, 0, pass.face.size());
   }
-  for (const auto& pass : search.edges())
-    collect(pass.edges.size(), [&](std::size_t k) { return touch_edge(search, k, surfaces); });
-  return touches;
+  for (const auto& pass : search.edges()) add(Kind::Edge, 0, pass.edges.size());
+  return pieces;
+}
+
+std::optional<Touch> touch_of(const PairSearch& search, const CandidatePiece& piece, std::size_t k,
+                              const std::vector<MovingSurface>& surfaces, const std::vector<RigidState>& rigid) {
+  switch (piece.kind) {
+  case CandidatePiece::Kind::Face:
+    return touch_face(search, piece.pass, k, surfaces);
+  case CandidatePiece::Kind::Shape:
+    return touch_shape(search, k, surfaces, rigid);
+  case CandidatePiece::Kind::Sphere:
+    return touch_sphere(search, k, surfaces, rigid);
+  default:
+    return touch_edge(search, k, surfaces);
+  }
 }
 
 } // namespace iga::solve

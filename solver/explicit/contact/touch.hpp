@@ -42,9 +42,17 @@ std::optional<Touch> touch_sphere(const PairSearch& search, std::size_t candidat
 std::optional<Touch> touch_edge(const PairSearch& search, std::size_t candidate,
                                 const std::vector<MovingSurface>& surfaces);
 
-/// Every touch of a pair, ascending by key without the pair's number. Parallel; the same for any number of threads.
-std::vector<Touch> find_touches(const PairSearch& search, const std::vector<MovingSurface>& surfaces,
-                                const std::vector<RigidState>& rigid);
+/// Some candidates of a pair, [first, last) of one kind: what one thread looks at.
+struct CandidatePiece {
+  enum class Kind { Face, Shape, Sphere, Edge };
+  Kind kind = Kind::Face;
+  std::size_t pass = 0, first = 0, last = 0;
+};
+/// All candidates of a pair; their touches ascend by key from piece to piece and within each.
+std::vector<CandidatePiece> candidate_pieces(const PairSearch& search);
+/// The touch of candidate k of a piece, with a key without the pair's number.
+std::optional<Touch> touch_of(const PairSearch& search, const CandidatePiece& piece, std::size_t k,
+                              const std::vector<MovingSurface>& surfaces, const std::vector<RigidState>& rigid);
 
 /// Key of a vertex against a side. @param pass  0: the first side's vertices; 1: the second side's
 constexpr std::uint64_t vertex_key(std::size_t pass, std::int32_t vertex) {

@@ -1,13 +1,14 @@
 // The kernel of explicit dynamics: deformation gradients, stresses and internal forces, eight points at a time.
+#include "solver/base/parallel.hpp"
 #include "solver/explicit/kernel/point_stress.hpp"
 #include "solver/explicit/kernel/span_contraction.hpp"
 #include "solver/explicit/simd/lane_transpose.hpp"
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-#include <tbb/partitioner.h>
+#include <tbb/parallel_for_each.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -27,17 +28,15 @@ template <class Degrees> class SpanKernel final : public InternalForces {
     const Point3 h = grid_.span_size();
     length_ = std::min({h[0], h[1], h[2]});
     extremes_.resize(plan_.blocks.size());
+    waiting_ = std::vector<std::atomic<std::int32_t>>(plan_.blocks.size());
+    for (std::size_t b = 0; b < plan_.blocks.size(); ++b)
+      if (plan_.num_before[b] == 0) first_blocks_.push_back(static_cast<std::int32_t>(b));
   }
 
   ForceReport evaluate(const double* u, double dt, double* f) override {
-    in_parallel(static_cast<std::int64_t>(num_values_), 1 << 14,
-                [&](std::int64_t first, std::int64_t last) { std::fill(f + first, f + last, 0.0); });
-    for (std::size_t c = 0; c + 1 < plan_.colour_offsets.size(); ++c) {
-      const std::int64_t begin = plan_.colour_offsets[c];
-      in_parallel(plan_.colour_offsets[c + 1] - begin, 1, [&](std::int64_t first, std::int64_t last) {
-        for (std::int64_t b = first; b < last; ++b) visit_block(static_cast<std::size_t>(begin + b), u, dt, f);
-      });
-    }
+    for_chunks(num_values_, 1 << 13,
+               [&](std::size_t, std::size_t first, std::size_t last) { std::fill(f + first, f + last, 0.0); });
+    visit_blocks(u, dt, f);
     return report();
   }
 
@@ -62,15 +61,26 @@ template <class Degrees> class SpanKernel final : public InternalForces {
  private:
   using Work = ContractionWork<Degrees>;
 
-  // visit(first, last) for pieces of 0 … count of `grain` at most; small bodies never leave their thread.
-  template <class Visit> static void in_parallel(std::int64_t count, std::int64_t grain, Visit visit) {
-    if (count <= grain) {
-      if (count > 0) visit(std::int64_t{0}, count);
-      return;
-    }
-    tbb::parallel_for(
-        tbb::blocked_range<std::int64_t>(0, count, static_cast<std::size_t>(grain)),
-        [&](const auto& range) { visit(range.begin(), range.end()); }, tbb::simple_partitioner());
+  // Each block as soon as those are done that it follows: nobody waits for the last block of a colour.
+  void visit_blocks(const double* u, double dt, double* f) {
+    if (plan_.blocks.size() == 1) return visit_block(0, u, dt, f);
+    const ParallelTime::Section section;
+    for (std::size_t b = 0; b < waiting_.size(); ++b) waiting_[b].store(plan_.num_before[b], std::memory_order_relaxed);
+    tbb::parallel_for_each(first_blocks_.begin(), first_blocks_.end(),
+                           [&](std::int32_t block, tbb::feeder<std::int32_t>& others) {
+                             while (block >= 0) {
+                               const auto b = static_cast<std::size_t>(block);
+                               visit_block(b, u, dt, f);
+                               block = -1; // goes on with one that has become free, leaves the rest to others
+                               for (const std::int32_t next : plan_.followers[b]) {
+                                 if (waiting_[static_cast<std::size_t>(next)].fetch_sub(1) > 1) continue;
+                                 if (block < 0)
+                                   block = next;
+                                 else
+                                   others.add(next);
+                               }
+                             }
+                           });
   }
 
   std::size_t num_rows() const { return static_cast<std::size_t>((degrees_.v + 1) * (degrees_.w + 1)); }
@@ -226,6 +236,8 @@ template <class Degrees> class SpanKernel final : public InternalForces {
   double length_ = 0, kappa_ = 1;
   PointMemory memory_;
   std::vector<PointExtremes> extremes_;
+  std::vector<std::int32_t> first_blocks_;         ///< that follow none
+  std::vector<std::atomic<std::int32_t>> waiting_; ///< per block: how many of those before it are not done yet
   tbb::enumerable_thread_specific<Work> work_;
 };
 

@@ -116,15 +116,17 @@ class Planner {
       members[static_cast<std::size_t>(b[0] + n[0] * (b[1] + n[1] * b[2]))].push_back(a);
     }
     // Blocks of equal parity lie at least one block apart, which is more than a function reaches: see max_degree.
-    plan_.colour_offsets = {0};
     for (std::int64_t colour = 0; colour < 8; ++colour) {
       std::size_t m = 0;
       for (std::int64_t k = 0; k < n[2]; ++k)
         for (std::int64_t j = 0; j < n[1]; ++j)
           for (std::int64_t i = 0; i < n[0]; ++i, ++m)
-            if ((i & 1) + 2 * (j & 1) + 4 * (k & 1) == colour && !members[m].empty()) add_block(members[m]);
-      plan_.colour_offsets.push_back(static_cast<std::int64_t>(plan_.blocks.size()));
+            if ((i & 1) + 2 * (j & 1) + 4 * (k & 1) == colour && !members[m].empty()) {
+              places_[{i, j, k}] = static_cast<std::int32_t>(plan_.blocks.size());
+              add_block(members[m]);
+            }
     }
+    find_followers();
     return std::move(plan_);
   }
 
@@ -156,6 +158,21 @@ class Planner {
       for (std::int64_t a = 0; a < space_.num_cells(); ++a) used[block_of(a)] = 1;
       if (space_.num_cells() >= enough * static_cast<std::int64_t>(used.size())) break;
     }
+  }
+
+  // Only blocks side by side share functions; blocks are numbered by colour.
+  void find_followers() {
+    plan_.followers.resize(plan_.blocks.size());
+    plan_.num_before.assign(plan_.blocks.size(), 0);
+    for (const auto& [place, b] : places_)
+      for (std::int64_t k = -1; k <= 1; ++k)
+        for (std::int64_t j = -1; j <= 1; ++j)
+          for (std::int64_t i = -1; i <= 1; ++i) {
+            const auto other = places_.find({place[0] + i, place[1] + j, place[2] + k});
+            if (other == places_.end() || other->second <= b) continue;
+            plan_.followers[static_cast<std::size_t>(b)].push_back(other->second);
+            ++plan_.num_before[static_cast<std::size_t>(other->second)];
+          }
   }
 
   void add_block(const std::vector<std::int64_t>& spans) {
@@ -342,6 +359,7 @@ class Planner {
   SpanPlan plan_;
   PolynomialList list_;
   Index3 lower_{}, upper_{}, edge_{};
+  std::map<Index3, std::int32_t> places_;                   // numbers of the blocks
   std::map<std::vector<std::int64_t>, std::int32_t> known_; // numbers of the tensors
 };
 

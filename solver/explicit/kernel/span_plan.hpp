@@ -68,8 +68,11 @@ struct SpanPlan {
   std::vector<SpanGroup> groups;
   std::vector<PointSpan> point_spans;
   std::vector<OwnPoints> own_points;
-  std::vector<WorkBlock> blocks;            ///< by colour: the blocks of a colour share no function
-  std::vector<std::int64_t> colour_offsets; ///< (number of colours + 1): into blocks
+  std::vector<WorkBlock> blocks; ///< by colour: the blocks of a colour share no function
+  /// Blocks that share functions with a block and have a later colour: they come after it. So forces add up in the
+  /// order of the colours, whichever blocks are worked on at the same time. (number of blocks)
+  std::vector<std::vector<std::int32_t>> followers;
+  std::vector<std::int32_t> num_before; ///< how many blocks a block follows; (number of blocks)
   /// First of the p_u + 1 functions (·, b, c) of each cell, b fastest, where they lie one after the other: nearly
   /// everywhere. A cell that sees copies has -1 - k in its first row: its functions are the k-th entry of `functions`.
   /// (num_cells × (p_v + 1)(p_w + 1))

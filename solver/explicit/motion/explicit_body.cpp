@@ -1,14 +1,13 @@
 #include "solver/explicit/motion/explicit_body.hpp"
 
 #include "format/model/errors.hpp"
+#include "solver/base/parallel.hpp"
 #include "solver/mechanics/assemble.hpp"
 #include "solver/mechanics/element_bound.hpp"
 #include "solver/mechanics/largest_eigenvalue.hpp"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <cmath>
 
@@ -21,13 +20,12 @@ using RowSparse = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
 // y = A x for each of the three components; rows in parallel.
 void multiply(const RowSparse& A, const double* x, double* y) {
-  tbb::parallel_for(tbb::blocked_range<Eigen::Index>(0, A.rows(), 2048), [&](const auto& range) {
-    for (Eigen::Index r = range.begin(); r < range.end(); ++r) {
-      double sums[3] = {};
-      for (RowSparse::InnerIterator it(A, r); it; ++it)
-        for (Eigen::Index d = 0; d < 3; ++d) sums[d] += it.value() * x[3 * it.col() + d];
-      for (Eigen::Index d = 0; d < 3; ++d) y[3 * r + d] = sums[d];
-    }
+  for_indices(static_cast<std::size_t>(A.rows()), 1024, [&](std::size_t row) {
+    const auto r = static_cast<Eigen::Index>(row);
+    double sums[3] = {};
+    for (RowSparse::InnerIterator it(A, r); it; ++it)
+      for (Eigen::Index d = 0; d < 3; ++d) sums[d] += it.value() * x[3 * it.col() + d];
+    for (Eigen::Index d = 0; d < 3; ++d) y[3 * r + d] = sums[d];
   });
 }
 

@@ -4,10 +4,21 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 namespace iga::solve {
+
+namespace {
+
+void set_zero(Eigen::VectorXd& x) {
+  for_chunks(static_cast<std::size_t>(x.size()), 1 << 13, [&](std::size_t, std::size_t first, std::size_t last) {
+    std::fill(x.data() + first, x.data() + last, 0.0);
+  });
+}
+
+} // namespace
 
 Integrator::Integrator(std::vector<ExplicitBody*> bodies, const IntegratorSettings& settings)
     : bodies_(std::move(bodies)), settings_(settings) {
@@ -50,6 +61,7 @@ void Integrator::start() {
 }
 
 void Integrator::start(std::vector<StartStep> limits) {
+  clock_.restart();
   prepare(std::move(limits));
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const NodeSums sums = momentum_of(*bodies_[b]);
@@ -63,7 +75,9 @@ void Integrator::start(std::vector<StartStep> limits) {
 }
 
 void Integrator::step() {
+  clock_.restart();
   drift();
+  clock_.lap(Phase::Nodes);
   kick();
 }
 
@@ -103,11 +117,16 @@ StepTimes Integrator::times() const {
 
 void Integrator::kick() {
   evaluate_internal();
+  clock_.lap(Phase::Internal);
   choose_step();
+  clock_.lap(Phase::StepControl);
   evaluate_external();
+  clock_.lap(Phase::Loads);
   now_.kinetic = 0;
   for (std::size_t b = 0; b < bodies_.size(); ++b) kick_body(b);
+  clock_.lap(Phase::Nodes);
   balance();
+  clock_.lap(Phase::StepControl);
 }
 
 void Integrator::evaluate_internal() {
@@ -174,9 +193,7 @@ void Integrator::evaluate_external() {
     const ExplicitBody& body = *bodies_[b];
     states[b] = {&body.displacement,   &body.velocity,     body.mass().masses(),
                  body.mass().passes(), &external_[b].load, &external_[b].penalty_sum};
-    external_[b].load.setZero();
-    external_[b].penalty.setZero();
-    external_[b].penalty_sum.setZero();
+    for (Eigen::VectorXd* sum : {&external_[b].load, &external_[b].penalty, &external_[b].penalty_sum}) set_zero(*sum);
   }
   for (LoadSource* source : loads_) source->add_forces(times(), states);
   for (std::size_t b = 0; b < bodies_.size(); ++b) states[b].force = &external_[b].penalty;

@@ -1,6 +1,7 @@
 // Central differences in time: several bodies, one step for all, and the accounts of energy and momentum.
 #pragma once
 
+#include "solver/base/phase_clock.hpp"
 #include "solver/explicit/motion/energy_balance.hpp"
 #include "solver/explicit/motion/explicit_body.hpp"
 #include "solver/explicit/motion/force_source.hpp"
@@ -108,6 +109,9 @@ class Integrator {
   const MomentumBalance& momentum(std::size_t body) const { return momenta_[body]; }
   const ForceReport& report(std::size_t body) const { return reports_[body]; }
   const std::vector<ExplicitBody*>& bodies() const { return bodies_; }
+  /// Where the time of the steps went; sources and the loop around the steps may take laps of their own.
+  PhaseClock& clock() { return clock_; }
+  const PhaseClock& clock() const { return clock_; }
   /// Points that inverted, evaluation by evaluation, and points taken out so far.
   std::int64_t inverted(std::size_t body) const { return inverted_[body]; }
   std::int64_t eroded(std::size_t body) const { return eroded_[body]; }
@@ -144,6 +148,7 @@ class Integrator {
   std::vector<std::int64_t> inverted_, eroded_;
   Progress now_;
   EnergyBalance energy_;
+  PhaseClock clock_;
 };
 
 } // namespace iga::solve

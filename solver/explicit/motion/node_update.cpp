@@ -1,8 +1,8 @@
 #include "solver/explicit/motion/node_update.hpp"
 
-#include <Eigen/Geometry>
+#include "solver/base/parallel.hpp"
 
-#include <tbb/parallel_for.h>
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <vector>
@@ -17,10 +17,10 @@ using Eigen::VectorXd;
 
 constexpr Index chunk = 1024; // nodes; what is read of them stays in the cache
 
-template <class Visit> void for_chunks(Index nodes, Visit visit) {
-  if (nodes <= chunk) return visit(0, 0, nodes);
-  tbb::parallel_for(Index{0}, (nodes + chunk - 1) / chunk,
-                    [&](Index c) { visit(c, c * chunk, std::min(nodes, (c + 1) * chunk)); });
+template <class Visit> void for_nodes(Index nodes, Visit visit) {
+  for_chunks(static_cast<std::size_t>(nodes), chunk, [&](std::size_t c, std::size_t first, std::size_t last) {
+    visit(static_cast<Index>(c), static_cast<Index>(first), static_cast<Index>(last));
+  });
 }
 
 void add(NodeSums& all, const NodeSums& part) {
@@ -110,7 +110,7 @@ NodeSums update_momentum(ExplicitBody& body, const NodeForces& forces) {
   const Index nodes = body.space().num_nodes();
   std::vector<NodeSums> parts(static_cast<std::size_t>((nodes + chunk - 1) / chunk));
   if (body.mass().is_lumped()) {
-    for_chunks(nodes, [&](Index c, Index first, Index last) {
+    for_nodes(nodes, [&](Index c, Index first, Index last) {
       NodeSums sums;
       for (Index n = first; n < last; ++n) {
         const Vector3d load = update.load(n), penalty = update.penalty(n);
@@ -123,12 +123,12 @@ NodeSums update_momentum(ExplicitBody& body, const NodeForces& forces) {
     });
   } else {
     VectorXd p(body.num_unknowns()), v(body.num_unknowns());
-    for_chunks(nodes, [&](Index, Index first, Index last) {
+    for_nodes(nodes, [&](Index, Index first, Index last) {
       for (Index n = first; n < last; ++n)
         p.segment<3>(3 * n) = update.next_momentum(n, update.load(n) + update.penalty(n));
     });
     body.mass().divide(p.data(), v.data(), 1);
-    for_chunks(nodes, [&](Index c, Index first, Index last) {
+    for_nodes(nodes, [&](Index c, Index first, Index last) {
       NodeSums sums;
       for (Index n = first; n < last; ++n)
         update.count(n, update.load(n), update.penalty(n), p.segment<3>(3 * n), v.segment<3>(3 * n), sums);
@@ -146,7 +146,7 @@ double next_velocity(const ExplicitBody& body, const NodeForces& forces, VectorX
   const Update update(body, forces);
   VectorXd p(body.num_unknowns());
   velocity.resize(body.num_unknowns());
-  for_chunks(body.space().num_nodes(), [&](Index, Index first, Index last) {
+  for_nodes(body.space().num_nodes(), [&](Index, Index first, Index last) {
     for (Index n = first; n < last; ++n)
       p.segment<3>(3 * n) = update.next_momentum(n, update.load(n) + update.penalty(n));
   });
@@ -155,7 +155,7 @@ double next_velocity(const ExplicitBody& body, const NodeForces& forces, VectorX
 }
 
 void update_displacement(ExplicitBody& body, double dt) {
-  for_chunks(body.space().num_nodes(), [&](Index, Index first, Index last) {
+  for_nodes(body.space().num_nodes(), [&](Index, Index first, Index last) {
     body.displacement.segment(3 * first, 3 * (last - first)) +=
         dt * body.velocity.segment(3 * first, 3 * (last - first));
   });

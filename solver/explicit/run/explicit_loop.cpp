@@ -36,6 +36,8 @@ void ExplicitLoop::begin() {
   parts_.outputs.begin();
   parts_.outputs.add_fields();
   parts_.outputs.publish(parts_.recorder.series());
+  parts_.outputs.wait(); // lists of files that an earlier run has left are replaced before the first step
+  parts_.scene.integrator().clock().lap(Phase::Output);
 }
 
 void ExplicitLoop::resume() {
@@ -63,19 +65,23 @@ int ExplicitLoop::run() {
       follow_up();
       watch_.look(parts_.scene);
       show(integrator.finished() || stop_);
+      integrator.clock().lap(Phase::Output);
       if (const int signal = io::pending_signal(); signal != 0) {
         parts_.outputs.publish(parts_.recorder.series());
         if (!integrator.finished() && !stop_) write_restart_file();
+        parts_.outputs.wait();
         parts_.progress.finish();
         return signal;
       }
     }
   } catch (const NumericalError& error) {
     parts_.outputs.publish(parts_.recorder.series());
+    parts_.outputs.wait();
     parts_.progress.finish();
     throw NumericalError(fmt::format("{}; {} holds what was found until t = {:.6g}", error.what(),
                                      parts_.outputs.path().string(), parts_.recorder.series().time.back()));
   }
+  parts_.outputs.wait();
   parts_.progress.finish();
   return 0;
 }
@@ -109,6 +115,7 @@ void ExplicitLoop::follow_up() {
 }
 
 void ExplicitLoop::write_restart_file() const {
+  parts_.outputs.wait();
   RestartState restart;
   restart.version = program_version();
   restart.inputs = parts_.inputs;

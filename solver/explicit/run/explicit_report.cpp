@@ -6,6 +6,8 @@
 
 #include <cmath>
 #include <fmt/ranges.h>
+#include <optional>
+#include <tbb/global_control.h>
 
 namespace iga::solve {
 
@@ -64,6 +66,58 @@ io::JsonObject step_json(const ExplicitOutcome& o) {
       .add("twice_the_step_needs", doubling_advice(bounds, run));
 }
 
+std::size_t num_threads() {
+  return tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+}
+
+/// Share of the CPU time outside of parallel loops. Known on one thread alone: on several, threads that look for work
+/// take CPU time too.
+std::optional<double> serial_share(const PhaseClock& clock) {
+  const PhaseClock::Times all = clock.total();
+  if (!clock.measures_cpu() || num_threads() > 1 || !(all.cpu > 0)) return std::nullopt;
+  return all.serial / all.cpu;
+}
+
+/// Amdahl's law.
+double most_speedup(double serial, int threads) {
+  return 1 / (serial + (1 - serial) / threads);
+}
+
+void add_phases(TextReport& report, const PhaseClock& clock) {
+  const PhaseClock::Times all = clock.total();
+  if (!(all.wall > 0)) return;
+  std::string text;
+  for (std::size_t p = 0; p < PhaseClock::num_phases; ++p)
+    text += fmt::format("{}{} {:.1f} %", p ? ", " : "", PhaseClock::names[p], 100 * clock.times()[p].wall / all.wall);
+  report.line("steps took", "{}", text);
+  if (!clock.measures_cpu()) return;
+  report.line("CPU time",
+              "{:.3g} s of the thread that leads, {:.3g} s of it outside of parallel loops; {:.3g} s of all "
+              "{} threads",
+              all.cpu, all.serial, clock.cpu_of_all_threads(), num_threads());
+  for (std::size_t p = 0; p < PhaseClock::num_phases; ++p)
+    report.line("", "{:<18} {:8.3f} s, serial {:8.4f} s", PhaseClock::names[p], clock.times()[p].cpu,
+                clock.times()[p].serial);
+  if (const auto serial = serial_share(clock))
+    report.line("serial",
+                "{:.2f} % of the CPU time: at most {:.2f} times as fast on 2 threads, {:.1f} on 8, {:.1f} on 32",
+                100 * *serial, most_speedup(*serial, 2), most_speedup(*serial, 8), most_speedup(*serial, 32));
+}
+
+io::JsonObject phases_json(const PhaseClock& clock) {
+  std::vector<io::JsonObject> phases;
+  for (std::size_t p = 0; p < PhaseClock::num_phases; ++p) {
+    const PhaseClock::Times& times = clock.times()[p];
+    phases.push_back(io::JsonObject().add("name", PhaseClock::names[p]).add("seconds", times.wall));
+    if (clock.measures_cpu()) phases.back().add("cpu_seconds", times.cpu).add("serial_cpu_seconds", times.serial);
+  }
+  io::JsonObject all;
+  all.add("threads", num_threads()).add("phases", phases);
+  if (clock.measures_cpu()) all.add("cpu_seconds_of_all_threads", clock.cpu_of_all_threads());
+  if (const auto serial = serial_share(clock)) all.add("serial_share", *serial);
+  return all;
+}
+
 } // namespace
 
 std::string explicit_text(const ExplicitOutcome& o) {
@@ -111,6 +165,7 @@ std::string explicit_text(const ExplicitOutcome& o) {
     stages += fmt::format("{}{} {:.2f}", stages.empty() ? "" : ", ", stage, seconds);
     total += seconds;
   }
+  add_phases(report, integrator.clock());
   report.line("time", "{:.2f} s ({}), peak memory {:.0f} MiB", total, stages, peak_memory_mib());
   report.lines("model says", o.scene.findings());
   report.lines("warning", o.warnings);
@@ -154,7 +209,8 @@ std::string explicit_json(const ExplicitOutcome& o) {
   report.add("energy_error", integrator.energy_error()).add("momentum_error", o.loop.momentum_error());
   report.add("angular_momentum_error", o.loop.angular_momentum_error()).add("time_step", step_json(o));
   report.add("contacts", contacts).add("output", o.outputs.path().string()).add("outputs", o.recorder.num_rows());
-  report.add("fields", o.outputs.num_fields()).add("timings", timings).add("peak_memory_mib", peak_memory_mib());
+  report.add("fields", o.outputs.num_fields()).add("timings", timings);
+  report.add("steps_took", phases_json(integrator.clock())).add("peak_memory_mib", peak_memory_mib());
   report.add("warnings", o.warnings).add("findings", o.scene.findings());
   return report.text();
 }

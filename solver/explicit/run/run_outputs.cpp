@@ -8,6 +8,7 @@
 #include "solver/explicit/run/series_rigid_mesh.hpp"
 
 #include <fmt/format.h>
+#include <memory>
 
 namespace iga::solve {
 
@@ -70,7 +71,7 @@ void RunOutputs::resume(const FieldIndex& fields, std::size_t steps) {
     if (!std::filesystem::exists(folder_ / file))
       throw InputError(fmt::format("{}: is missing; {} lists it", (folder_ / file).string(), path_.string()));
   remove_fields_after(steps);
-  if (scene_.run().out.viewer && steps > 0) write_index();
+  if (scene_.run().out.viewer && steps > 0) write_index(*results_.fields);
 }
 
 // Fields that no list names would only confuse.
@@ -79,20 +80,32 @@ void RunOutputs::remove_fields_after(std::size_t steps) const {
   io::remove_viewer_parts_from(path_, steps);
 }
 
-void RunOutputs::add_fields() {
+struct RunOutputs::FieldStep {
+  FieldIndex steps; ///< up to this one
   std::vector<BodyFields> fields;
+  std::vector<Pose> poses; ///< of the rigid bodies, at the time of the bodies
+};
+
+void RunOutputs::add_fields() {
+  FieldStep now;
   for (std::size_t b = 0; b < samplers_.size(); ++b)
-    fields.push_back(samplers_[b].sample(scene_.body(b), scene_.run().out.points));
+    now.fields.push_back(samplers_[b].sample(scene_.body(b), scene_.run().out.points));
+  for (std::size_t r = 0; r < rigid_.size(); ++r) now.poses.push_back(scene_.contact()->rigid()[r].pose_before());
   const std::size_t step = num_fields();
-  io::write_fields(folder_ / field_file(step), scene_.integrator().time(), fields);
   results_.fields->times.push_back(scene_.integrator().time());
   results_.fields->files.push_back(field_file(step));
-  if (scene_.run().out.viewer) write_viewer(fields, step);
+  now.steps = *results_.fields;
+  work_.add([this, step, written = std::make_shared<const FieldStep>(std::move(now))] {
+    io::write_fields(folder_ / field_file(step), written->steps.times.back(), written->fields);
+    if (scene_.run().out.viewer) write_viewer(*written);
+  });
 }
 
-void RunOutputs::write_viewer(const std::vector<BodyFields>& fields, std::size_t step) {
+void RunOutputs::write_viewer(const FieldStep& written) const {
   make_folder((folder_ / viewer_file(0, 0)).parent_path());
-  const std::vector<io::VtpNumber> numbers{{"time", results_.fields->times[step]}};
+  const std::vector<BodyFields>& fields = written.fields;
+  const std::size_t step = written.steps.times.size() - 1;
+  const std::vector<io::VtpNumber> numbers{{"time", written.steps.times.back()}};
   for (std::size_t b = 0; b < fields.size(); ++b) {
     TriangleMesh mesh = samplers_[b].mesh().surface.mesh;
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
@@ -104,44 +117,46 @@ void RunOutputs::write_viewer(const std::vector<BodyFields>& fields, std::size_t
     io::write_vtp(folder_ / viewer_file(step, b), mesh, arrays, numbers);
   }
   for (std::size_t r = 0; r < rigid_.size(); ++r) {
-    const RigidState& body = scene_.contact()->rigid()[r];
-    const Pose& pose = body.pose_before(); // at the time of the bodies
+    const Point3& centre = scene_.run().rigid[r].body.centre;
+    const Pose& pose = written.poses[r];
     TriangleMesh mesh = rigid_[r];
     std::vector<double> displacement;
     for (Point3& x : mesh.vertices) {
       const Eigen::Vector3d local(x[0], x[1], x[2]), now = pose.centre + pose.turn * local;
       for (std::size_t d = 0; d < 3; ++d) {
         const double moved = now[static_cast<Eigen::Index>(d)];
-        displacement.push_back(moved - (body.body().centre[d] + x[d]));
+        displacement.push_back(moved - (centre[d] + x[d]));
         x[d] = moved;
       }
     }
     io::write_vtp(folder_ / viewer_file(step, fields.size() + r), mesh,
                   std::vector<io::VtpArray>{{"displacement", 3, displacement}}, numbers);
   }
-  write_index();
+  write_index(written.steps);
 }
 
-void RunOutputs::write_index() const {
+void RunOutputs::write_index(const FieldIndex& steps) const {
   std::vector<io::ViewerEntry> entries;
-  for (std::size_t step = 0; step < num_fields(); ++step) {
+  for (std::size_t step = 0; step < steps.times.size(); ++step) {
     if (!std::filesystem::exists(folder_ / viewer_file(step, 0))) continue; // before a restart that turned them on
     for (std::size_t part = 0; part < samplers_.size() + rigid_.size(); ++part)
-      entries.push_back({results_.fields->times[step], static_cast<int>(part), viewer_file(step, part)});
+      entries.push_back({steps.times[step], static_cast<int>(part), viewer_file(step, part)});
   }
   io::write_viewer_index(io::viewer_index(path_), entries);
 }
 
 void RunOutputs::publish(const TimeSeries& series) {
-  const auto before = Clock::now();
   results_.time_series = series;
-  io::write_results(path_, results_, true);
   published_ = Clock::now();
-  cost_ = published_ - before;
+  work_.add([this, written = std::make_shared<const Results>(results_)] {
+    const auto before = Clock::now();
+    io::write_results(path_, *written, true);
+    cost_ = Clock::now() - before;
+  });
 }
 
 void RunOutputs::publish_if_cheap(const TimeSeries& series) {
-  if (Clock::now() - published_ >= least_gap * cost_) publish(series);
+  if (work_.is_idle() && Clock::now() - published_ >= least_gap * cost_.load()) publish(series);
 }
 
 } // namespace iga::solve

@@ -233,7 +233,9 @@ void ExplicitScene::make_integrator() {
   integrator_ = std::make_unique<Integrator>(std::move(bodies), settings);
   for (const auto& load : loads_) integrator_->add(*load);
   for (const auto& support : supports_) integrator_->add(*support);
-  if (contact_) integrator_->add(*contact_);
+  if (!contact_) return;
+  integrator_->add(*contact_);
+  contact_->use_clock(integrator_->clock());
 }
 
 void ExplicitScene::start() {

@@ -1,6 +1,7 @@
 #include "solver/explicit/run/series_fields.hpp"
 
 #include "solver/base/dense_algebra.hpp"
+#include "solver/base/parallel.hpp"
 #include "solver/explicit/laws/law_access.hpp"
 #include "solver/output/surface_output.hpp"
 
@@ -8,7 +9,6 @@
 #include <cmath>
 #include <cstring>
 #include <numeric>
-#include <tbb/parallel_for.h>
 
 namespace iga::solve {
 
@@ -16,13 +16,15 @@ namespace {
 
 using Matrix3 = Eigen::Matrix3d;
 
+constexpr std::size_t cells = 16; // that one thread takes at a time
+
 // N_i at the vertices of the surface, cell by cell.
 Eigen::SparseMatrix<double, Eigen::RowMajor> vertex_rows(const SolutionSpace& space, const OutputMesh& output) {
   const std::size_t num_cells = space.model().num_cells();
   std::vector<std::vector<std::size_t>> owned(num_cells);
   for (std::size_t v = 0; v < output.cell.size(); ++v) owned[static_cast<std::size_t>(output.cell[v])].push_back(v);
   std::vector<std::vector<Eigen::Triplet<double>>> parts(num_cells);
-  tbb::parallel_for(std::size_t{0}, num_cells, [&](std::size_t a) {
+  for_indices(num_cells, cells, [&](std::size_t a) {
     if (owned[a].empty()) return;
     std::vector<double> parameters;
     for (const std::size_t v : owned[a])
@@ -61,7 +63,8 @@ double von_mises(const double* s) {
 std::vector<double> deformation_gradients(const SolutionSpace& space, const Eigen::VectorXd& u) {
   const TrimmedModel& model = space.model();
   std::vector<double> F(9 * model.points.weights.size());
-  tbb::parallel_for(std::int64_t{0}, space.num_cells(), [&](std::int64_t a) {
+  for_indices(static_cast<std::size_t>(space.num_cells()), cells, [&](std::size_t cell) {
+    const auto a = static_cast<std::int64_t>(cell);
     const auto parameters = cell_parameters(model, a);
     const auto first = static_cast<std::size_t>((parameters.data() - model.points.parameters.data()) / 3);
     if (parameters.empty()) return;
@@ -104,7 +107,7 @@ FieldSampler::PointSamples FieldSampler::sample_points(const Eigen::VectorXd& u,
       num_blocks > 0 ? saved.extra.size() / (lanes * num_blocks) : 0; // its first number: 0 if taken out
   const auto history_size = static_cast<std::size_t>(law.history);
   const Point3 h = space_.model().grid.span_size();
-  tbb::parallel_for(std::size_t{0}, num_blocks, [&](std::size_t b) {
+  for_indices(num_blocks, 64, [&](std::size_t b) {
     LawInput in;
     in.length = std::min({h[0], h[1], h[2]});
     for (int k = 0; k < 9; ++k) in.F.c[k] = Lanes{} + (k % 4 == 0 ? 1.0 : 0.0);
@@ -145,7 +148,7 @@ std::vector<double> FieldSampler::carried(const std::vector<double>& at_points) 
   const TrimmedModel& model = space_.model();
   const auto num_spans = static_cast<std::size_t>(space_.num_cells());
   std::vector<Eigen::MatrixX2d> parts(num_spans); // per function of the span: Σ w N s, Σ w N
-  tbb::parallel_for(std::size_t{0}, num_spans, [&](std::size_t a) {
+  for_indices(num_spans, cells, [&](std::size_t a) {
     const auto span = static_cast<std::int64_t>(a);
     const auto parameters = cell_parameters(model, span);
     const auto weights = cell_weights(model, span);

@@ -194,6 +194,21 @@ class ExplicitRunTest(unittest.TestCase):
         self.assertEqual(self.series("one.h5"), self.series("four.h5"))
         self.assertEqual(self.fields("one.h5"), self.fields("four.h5"))
 
+    def test_the_report_says_where_the_time_went(self):
+        done = self.solve("run.toml", "profile.h5", "--threads", "1", "--profile", "--json", "--force")
+        took = json.loads(done.stdout)["steps_took"]
+        self.assertEqual(took["threads"], 1)
+        names = [phase["name"] for phase in took["phases"]]
+        self.assertEqual(names, ["internal forces", "contact search", "touch list", "contact forces",
+                                 "loads and supports", "nodes", "step control", "output"])
+        for phase in took["phases"]:
+            self.assertLessEqual(phase["serial_cpu_seconds"], phase["cpu_seconds"] + 1e-9)
+            self.assertLessEqual(phase["cpu_seconds"], phase["seconds"] + 0.01)
+        self.assertTrue(0 < took["serial_share"] <= 1)
+        text = self.solve("run.toml", "profile.h5", "--threads", "1", "--force").stdout
+        self.assertRegex(text, r"steps took +internal forces \d+\.\d %, contact search \d+\.\d %")
+        self.assertNotIn("times as fast", text)
+
     def test_progress_lines(self):
         done = self.solve("run.toml", "progress.h5", "--force")
         lines = [line for line in done.stderr.splitlines() if line.startswith("stepping:")]
