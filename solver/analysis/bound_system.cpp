@@ -75,6 +75,11 @@ BoundSystem bind_system(const BodySystem& system, const RunSettings& run, Stopwa
   bound.springs = prepare_springs(system, run.springs);
   add_springs(system, bound.springs, bound.K);
   bound.masses = prepare_masses(system, run.masses);
+  std::vector<RigidRegions::Held> held;
+  for (const PreparedMass& mass : bound.masses)
+    if (mass.added.holds_region) held.push_back({mass.body, mass.region});
+  bound.rigid_masses = RigidRegions(system, std::move(held), bound.K);
+  bound.rigid_masses.complete(bound.K);
   if (!run.supports.empty() || !run.springs.empty()) watch.stage("supports");
   add_ties(system, bound.ties, bound.K);
   if (!run.ties.empty()) watch.stage("ties");

@@ -4,6 +4,7 @@
 #include "solver/analysis/run_settings.hpp"
 #include "solver/base/stopwatch.hpp"
 #include "solver/mechanics/body_system.hpp"
+#include "solver/supports/rigid_regions.hpp"
 #include "solver/ties/tie.hpp"
 
 namespace iga::solve {
@@ -15,6 +16,7 @@ struct BoundSystem {
   std::vector<RegionReport> regions;     ///< by support of the run
   std::vector<PreparedSpring> springs;   ///< of the run, in their order
   std::vector<PreparedMass> masses;      ///< likewise
+  RigidRegions rigid_masses;             ///< of those that hold their region
   std::vector<PreparedTie> ties;
   std::vector<TieReport> tie_reports;
   ConstraintMatrix constraints; ///< of all bodies

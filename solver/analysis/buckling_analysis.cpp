@@ -80,12 +80,13 @@ BucklingOutcome find_factors(const RunSettings& run, const BucklingSettings& set
   outcome.unknowns = outcome.system.num_unknowns();
   outcome.warnings = space_warnings(outcome.system);
   BoundSystem bound = bind_system(outcome.system, run, watch);
+  outcome.attached = attached_parts(bound);
   outcome.bodies = separate_bodies(bound.K.pattern()).count;
   outcome.constraints = bound.constraints.rows();
-  outcome.growing = make_preload(run, growing, outcome.system, bound.K.shared_connectivity());
+  outcome.growing = make_preload(run, growing, outcome.system, bound);
   add_texts(outcome.warnings, outcome.growing.warnings);
   if (!settings.constant.empty()) {
-    outcome.constant = make_preload(run, choose(true), outcome.system, bound.K.shared_connectivity());
+    outcome.constant = make_preload(run, choose(true), outcome.system, bound);
     add_texts(outcome.warnings, outcome.constant->warnings);
     add_scaled(outcome.constant->stiffness, 1, bound.K);
     outcome.constant->stiffness = {};

@@ -46,7 +46,7 @@ void preload_system(const RunSettings& run, PreparedSystem& system, EigenOutcome
   if (statics.loads.empty() && statics.bolts.empty() && !statics.temperature)
     throw InputError("prestress: the run has no loads; add a [[load]] to the run file, or leave prestress out");
   Stopwatch watch(system.timings);
-  outcome.preload = make_preload(run, all_of(statics), system.bodies, system.bound.K.shared_connectivity());
+  outcome.preload = make_preload(run, all_of(statics), system.bodies, system.bound);
   add_scaled(outcome.preload->stiffness, 1, system.bound.K);
   const std::vector<std::string>& warnings = outcome.preload->warnings;
   system.warnings.insert(system.warnings.end(), warnings.begin(), warnings.end());

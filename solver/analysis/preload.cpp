@@ -68,10 +68,7 @@ void add_spin_softening(const BodySystem& system, std::span<const Load> loads,
   const MassMatrix M = assemble_mass(system, connectivity);
   for (const Load& load : loads) {
     if (!spins(load)) continue;
-    Eigen::Matrix3d frame;
-    for (Eigen::Index k = 0; k < 9; ++k)
-      frame(k / 3, k % 3) = load.frame[static_cast<std::size_t>(k / 3)][static_cast<std::size_t>(k % 3)];
-    const Eigen::Vector3d axis = (frame * as_vector(load.spin.axis)).normalized();
+    const Eigen::Vector3d axis = spin_axis(load);
     const Eigen::Matrix3d across =
         -load.spin.speed * load.spin.speed * (Eigen::Matrix3d::Identity() - axis * axis.transpose());
     for (const SystemBody& body : system)
@@ -80,14 +77,26 @@ void add_spin_softening(const BodySystem& system, std::span<const Load> loads,
   }
 }
 
-StiffnessMatrix load_stiffness(const BodySystem& system, const StaticSolution& solution, std::span<const Load> loads,
-                               const std::shared_ptr<const Connectivity>& connectivity) {
+// Of springs between two ends, and of the masses on bodies that a load acts on.
+void add_attached(const BodySystem& system, const BoundSystem& bound, const Eigen::VectorXd& u,
+                  std::span<const Load> loads, StiffnessMatrix& L) {
+  add_spring_stress(system, bound.springs, u, L);
+  for (const Load& load : loads)
+    for (const PreparedMass& mass : bound.masses)
+      if (acts_on_mass(load.kind) && (load.body.empty() || load.body == system[mass.body].name))
+        add_inertia_stiffness(system, mass, load, L);
+}
+
+StiffnessMatrix load_stiffness(const BodySystem& system, const BoundSystem& bound, const StaticSolution& solution,
+                               std::span<const Load> loads) {
+  const std::shared_ptr<const Connectivity>& connectivity = bound.K.shared_connectivity();
   std::vector<std::span<const double>> stress;
   for (std::size_t b = 0; b < system.size(); ++b) stress.emplace_back(fields_of(solution, b).points.stress);
   StiffnessMatrix L(connectivity);
   add_blocks(assemble_geometric_stiffness(system, connectivity, stress), Eigen::Matrix3d::Identity(), L, 0,
              system.num_nodes());
   add_spin_softening(system, loads, connectivity, L);
+  add_attached(system, bound, solution.unknowns, loads, L);
   return L;
 }
 
@@ -107,7 +116,7 @@ void drop_fields(StaticSolution& solution) {
 } // namespace
 
 Preload make_preload(const RunSettings& run, const PreloadChoice& choice, const BodySystem& system,
-                     const std::shared_ptr<const Connectivity>& connectivity) {
+                     const BoundSystem& bound) {
   refuse_what_is_static(run.statics, choice.loads);
   RunSettings under_load = run;
   StaticSettings statics = run.statics;
@@ -126,7 +135,7 @@ Preload make_preload(const RunSettings& run, const PreloadChoice& choice, const 
   preload.solution = run_static(under_load, statics, system);
   preload.warnings = preload.solution.warnings;
   preload.largest_strain = largest_strain(system, preload.solution);
-  preload.stiffness = load_stiffness(system, preload.solution, choice.loads, connectivity);
+  preload.stiffness = load_stiffness(system, bound, preload.solution, choice.loads);
   drop_fields(preload.solution);
   const double share = preload.solution.largest_displacement.value / diagonal_of(system);
   if (share > small_displacement)
@@ -154,6 +163,9 @@ std::vector<std::string> preload_notes(const RunSettings& run, const Preload& pr
   if (std::any_of(run.supports.begin(), run.supports.end(),
                   [](const Support& s) { return s.method != SupportMethod::Lagrange; }))
     notes.push_back("supports hold weakly: what they give way is as in a static run");
+  if (std::any_of(run.springs.begin(), run.springs.end(), [](const Spring& s) { return !s.to || s.total; }))
+    notes.push_back("springs keep the directions of their forces, but for axial ones between two ends, which turn with "
+                    "the line between these");
   return notes;
 }
 

@@ -27,12 +27,13 @@ struct PreloadChoice {
 PreloadChoice all_of(const StaticSettings& statics);
 
 /// Solves K u = f and assembles L = K_G(σ(u)) - Σ ω² M_⊥, by the stress that results files hold; M_⊥ is the mass across
-/// the axis of a centrifugal load, whose force grows where the part moves away from the axis (spin softening).
-/// @param connectivity  of the matrix that L is added to
+/// the axis of a centrifugal load, whose force grows where the part moves away from the axis (spin softening). With
+/// what springs and added masses bring (add_spring_stress, add_inertia_stiffness).
+/// @param bound  the system that L belongs to
 /// @throws InputError, NumericalError as run_static; InputError for what only static runs know: load cases, inertia
 /// relief, loads that keep their region rigid
 Preload make_preload(const RunSettings& run, const PreloadChoice& choice, const BodySystem& system,
-                     const std::shared_ptr<const Connectivity>& connectivity);
+                     const BoundSystem& bound);
 
 /// Loads or bolts whose names are in the list, or those whose are not.
 template <class Named>

@@ -411,25 +411,6 @@ TypedRun complete_materials(TypedRun typed) {
   return typed;
 }
 
-namespace {
-
-// Other analyses have their own systems of equations, which would leave springs and added masses out.
-void refuse_attached(const TypedRun& typed, Analysis analysis) {
-  if (typed.springs.empty() && typed.masses.empty()) return;
-  const std::string what = typed.springs.empty() ? fmt::format("added mass '{}'", typed.masses.front().name)
-                                                 : fmt::format("spring '{}'", typed.springs.front().name);
-  if (analysis == Analysis::Eigen && typed.prestress.value_or(false))
-    throw InputError(fmt::format("{}: modes of the loaded part (prestress) know no springs and added masses; leave one "
-                                 "of them out",
-                                 what));
-  if (analysis != Analysis::Eigen && analysis != Analysis::Timestep && analysis != Analysis::Static)
-    throw InputError(fmt::format("{}: this analysis knows no springs and added masses, only eigen, static and timestep "
-                                 "do; leave it out",
-                                 what));
-}
-
-} // namespace
-
 RunSettings validate_run(const TypedRun& typed, Analysis analysis) {
   RunSettings run;
   run.analysis = analysis;
@@ -453,7 +434,6 @@ RunSettings validate_run(const TypedRun& typed, Analysis analysis) {
   }
   run.ties = typed.ties;
   run.supports = typed.supports;
-  refuse_attached(typed, analysis);
   run.springs = typed.springs;
   run.masses = typed.masses;
   run.statics = typed.statics;

@@ -50,7 +50,7 @@ std::unique_ptr<LinearSolver> factorise(const BoundSystem& bound, const InertiaR
     system.mass = &relief->mass();
     system.shift = -relief->sigma();
   }
-  if (bound.constraints.rows() == 0 && bound.K.low_rank().rows() == 0) return factorise_positive_definite(system);
+  if (bound.constraints.rows() == 0 && holds_without_low_rank(system)) return factorise_positive_definite(system);
   system.constraints = &bound.constraints;
   return factorise_indefinite(system);
 }
@@ -552,26 +552,6 @@ void need_free_parts(const RunSettings& run) {
                     run.springs.empty() ? run.masses.front().name : run.springs.front().name));
 }
 
-// Fields of acceleration act on added masses too.
-void add_weights(const BodySystem& system, const BoundSystem& bound, std::span<const Load> settings,
-                 std::vector<SystemLoad>& loads) {
-  for (std::size_t k = 0; k < settings.size(); ++k)
-    for (const PreparedMass& mass : bound.masses) {
-      const std::vector<std::size_t>& bodies = loads[k].bodies;
-      if (std::find(bodies.begin(), bodies.end(), mass.body) == bodies.end()) continue;
-      if (settings[k].kind == LoadKind::Centrifugal)
-        throw InputError(fmt::format("load '{}': what turning does to added masses is not known to this program, and "
-                                     "'{}' would be left out; model it as a body of its own, or leave one of them out",
-                                     settings[k].name, mass.added.name));
-      if (settings[k].kind != LoadKind::Acceleration) continue;
-      const Point3 acceleration = (*volume_force(settings[k], 1))(mass.centre);
-      loads[k].load += weight_of(system, mass, acceleration);
-      const Point3 force = times(acceleration, mass.added.mass);
-      loads[k].report.force = plus(loads[k].report.force, force);
-      loads[k].report.moment = plus(loads[k].report.moment, cross(mass.centre, force));
-    }
-}
-
 } // namespace
 
 StaticSolution run_static(const RunSettings& run, const StaticSettings& settings, const SolutionSpace& space) {
@@ -601,7 +581,7 @@ std::vector<StaticSolution> run_static_cases(const RunSettings& run, const Stati
   TightenedBolts bolts = find_bolts(system, settings.bolts);
   watch.stage("loads");
   BoundSystem bound = bind_system(system, run, watch);
-  add_weights(system, bound, settings.loads, loads);
+  for (std::size_t k = 0; k < loads.size(); ++k) add_masses(system, bound.masses, settings.loads[k], loads[k]);
   RigidRegions rigid(system, settings.loads, load_bodies, bound.K);
   std::optional<InertiaRelief> relief;
   if (settings.inertia_relief)
@@ -657,7 +637,7 @@ std::vector<StaticSolution> run_static_cases(const RunSettings& run, const Stati
     solution.spring_forces = spring_forces(system, bound.springs, solution.unknowns);
     solution.tie_forces = tie_forces(solution.system, bound.ties, solution.unknowns);
     solution.motions = rigid.motions(solution.unknowns);
-    solution.result.penalty_energy = rigid.energy(solution.unknowns);
+    solution.result.penalty_energy = rigid.energy(solution.unknowns) + bound.rigid_masses.energy(solution.unknowns);
     describe_forces(run, settings, system, loads, solution);
   }
   watch.stage("fields");

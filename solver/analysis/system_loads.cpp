@@ -1,8 +1,11 @@
 #include "solver/analysis/system_loads.hpp"
 
 #include "format/model/vec3.hpp"
+#include "solver/base/eigen_points.hpp"
+#include "solver/mechanics/rigid_modes.hpp"
 #include "solver/supports/body_choice.hpp"
 
+#include <algorithm>
 #include <fmt/format.h>
 #include <numeric>
 
@@ -47,6 +50,18 @@ SystemLoad assemble_load(const BodySystem& system, const Load& load) {
   }
   if (all.bodies.size() == 1) all.report.region.body = system.name_among_several(all.bodies[0]);
   return all;
+}
+
+void add_masses(const BodySystem& system, std::span<const PreparedMass> masses, const Load& load, SystemLoad& all) {
+  if (!acts_on_mass(load.kind)) return;
+  for (const PreparedMass& mass : masses) {
+    if (std::find(all.bodies.begin(), all.bodies.end(), mass.body) == all.bodies.end()) continue;
+    const Eigen::VectorXd force = inertia_force(system, mass, load);
+    const Eigen::Matrix<double, 6, 1> sum = rigid_motions(system, Point3{}).transpose() * force;
+    all.load += force;
+    all.report.force = plus(all.report.force, as_point(sum.head<3>()));
+    all.report.moment = plus(all.report.moment, as_point(sum.tail<3>()));
+  }
 }
 
 std::vector<SystemLoad> assemble_loads(const BodySystem& system, std::span<const Load> loads) {

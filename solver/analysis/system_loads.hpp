@@ -3,6 +3,7 @@
 
 #include "solver/analysis/field_errors.hpp"
 #include "solver/output/recover.hpp"
+#include "solver/supports/added_mass.hpp"
 
 namespace iga::solve {
 
@@ -16,6 +17,8 @@ struct SystemLoad {
 
 /// @throws InputError for regions without area, points outside the part, and places that several bodies have
 SystemLoad assemble_load(const BodySystem& system, const Load& load);
+/// Adds what the load does to masses on the bodies that it acts on: theirs under acceleration and turning.
+void add_masses(const BodySystem& system, std::span<const PreparedMass> masses, const Load& load, SystemLoad& all);
 /// By load of the run.
 std::vector<SystemLoad> assemble_loads(const BodySystem& system, std::span<const Load> loads);
 

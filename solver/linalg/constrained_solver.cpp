@@ -11,7 +11,8 @@ ConstrainedSolver::ConstrainedSolver(const SystemMatrix& system)
       constraints_(system.constraints && system.constraints->rows() > 0 ? system.constraints : nullptr) {
   SystemMatrix without = system;
   without.constraints = constraints_;
-  factor_ = constraints_ ? factorise_indefinite(without) : factorise_positive_definite(without);
+  const bool definite = !constraints_ && holds_without_low_rank(without);
+  factor_ = definite ? factorise_positive_definite(without) : factorise_indefinite(without);
 }
 
 void ConstrainedSolver::solve(const double* F, double* X, int columns) const {

@@ -7,7 +7,8 @@ namespace iga::solve {
 
 class ConstrainedSolver {
  public:
-  /// Factorises the system: by Cholesky, or by MUMPS where there are constraints. Throws as they do.
+  /// Factorises the system: by Cholesky, or by MUMPS where there are constraints or a part of low rank asks for it.
+  /// Throws as they do.
   explicit ConstrainedSolver(const SystemMatrix& system);
 
   /// X: of A X = F, (unknowns × columns) column by column; with constraints the X that obeys them.

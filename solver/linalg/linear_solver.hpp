@@ -48,11 +48,15 @@ class LinearSolver {
 };
 
 /// Cholesky factor of a positive definite system without constraints, scaled by its diagonal, ordered by nested
-/// dissection of the node graph (METIS). With parts of low rank both matrices must be positive definite without them
-/// and the shift at most 0.
+/// dissection of the node graph (METIS). With parts of low rank both matrices must be positive definite without them,
+/// their weights above 0 and the shift at most 0: holds_without_low_rank.
 /// @throws InputError where the factor will not fit into the memory that is free, with the estimate
 /// @throws NumericalError where the matrix is not positive definite, naming the likely cause
 std::unique_ptr<LinearSolver> factorise_positive_definite(const SystemMatrix& system);
+
+/// Can the system be taken for positive definite without its stiffness' part of low rank? Not where weights are below
+/// 0, and not without a mass: what springs between two ends hold may have nothing else that does.
+bool holds_without_low_rank(const SystemMatrix& system);
 
 /// Cholesky factor of a consistent mass matrix over the nodes (one component; size: num_nodes), without its part of low
 /// rank. Throws as above.

@@ -48,12 +48,19 @@ class LowRankSolver final : public LinearSolver {
 
 } // namespace
 
+bool holds_without_low_rank(const SystemMatrix& system) {
+  const Eigen::VectorXd& weights = system.stiffness->low_rank_weights();
+  if (weights.size() == 0) return true;
+  const bool shifted = system.shift < 0 && (system.mass || system.lumped_mass);
+  return shifted && (weights.array() > 0).all();
+}
+
 LowRankRows low_rank_rows(const SystemMatrix& system) {
   const RowMatrix none, &K = system.stiffness->low_rank(),
                         &M = system.mass && system.shift != 0 ? system.mass->low_rank() : none;
   LowRankRows all;
   all.weights.resize(K.rows() + M.rows());
-  all.weights.head(K.rows()).setOnes();
+  all.weights.head(K.rows()) = system.stiffness->low_rank_weights();
   all.weights.tail(M.rows()).setConstant(-system.shift);
   std::vector<Eigen::Triplet<double>> entries;
   for (const auto& [matrix, first] : {std::pair{&K, Eigen::Index{0}}, std::pair{&M, K.rows()}})

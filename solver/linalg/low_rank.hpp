@@ -8,7 +8,7 @@ namespace iga::solve {
 /// Rows that a system has beside its pattern, with their weights: Σ weight_k r_kᵀ r_k is added to the matrix.
 struct LowRankRows {
   RowMatrix rows;          ///< (rank × unknowns)
-  Eigen::VectorXd weights; ///< (rank): 1 of the stiffness, -shift of the mass
+  Eigen::VectorXd weights; ///< (rank): those of the stiffness, -shift of the mass
 };
 LowRankRows low_rank_rows(const SystemMatrix& system);
 

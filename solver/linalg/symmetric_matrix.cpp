@@ -224,10 +224,11 @@ void append_rows(const RowMatrix& more, RowMatrix& rows) {
   rows = std::move(both);
 }
 
-// y += Rᵀ R x
-void add_product(const RowMatrix& rows, const double* x, double* y) {
+// y += Rᵀ diag(w) R x; no weights: all are 1
+void add_product(const RowMatrix& rows, const Eigen::VectorXd& weights, const double* x, double* y) {
   if (rows.rows() == 0) return;
-  const Eigen::VectorXd along = rows * Eigen::Map<const Eigen::VectorXd>(x, rows.cols());
+  Eigen::VectorXd along = rows * Eigen::Map<const Eigen::VectorXd>(x, rows.cols());
+  if (weights.size() > 0) along.array() *= weights.array();
   Eigen::Map<Eigen::VectorXd>(y, rows.cols()) += rows.transpose() * along;
 }
 
@@ -301,11 +302,15 @@ void StiffnessMatrix::multiply(const double* x, double* y) const {
       for (std::size_t a = 0; a < 3; ++a) part[3 * (j - first) + a] += yj[a];
     }
   });
-  add_product(low_rank_, x, y);
+  add_product(low_rank_, low_rank_weights_, x, y);
 }
 
-void StiffnessMatrix::add_low_rank(const RowMatrix& rows) {
+void StiffnessMatrix::add_low_rank(const RowMatrix& rows, const Eigen::VectorXd& weights) {
+  assert(weights.size() == rows.rows());
+  if (rows.rows() == 0) return;
   append_rows(rows, low_rank_);
+  low_rank_weights_.conservativeResize(low_rank_.rows());
+  low_rank_weights_.tail(weights.size()) = weights;
 }
 
 Eigen::VectorXd StiffnessMatrix::operator*(const Eigen::VectorXd& x) const {
@@ -346,7 +351,7 @@ void MassMatrix::add_low_rank(const RowMatrix& rows) {
 
 void MassMatrix::multiply(const double* x, double* y) const {
   multiply_pattern(x, y);
-  add_product(low_rank_, x, y);
+  add_product(low_rank_, {}, x, y);
 }
 
 void MassMatrix::multiply_pattern(const double* x, double* y) const {

@@ -90,10 +90,12 @@ class StiffnessMatrix {
   /// @param nodes  ascending, counted from first_node
   void add(std::span<const std::int32_t> nodes, const Eigen::Ref<const Eigen::MatrixXd>& block,
            std::int32_t first_node = 0);
-  /// Adds Rᵀ R, which does not fit the pattern: values() and diagonal() leave it out, products and factorisations take
-  /// it. @param rows  (rank × size)
-  void add_low_rank(const RowMatrix& rows);
+  /// Adds Rᵀ diag(w) R, which does not fit the pattern: values() and diagonal() leave it out, products and
+  /// factorisations take it. @param rows  (rank × size) @param weights  (rank), not 0, of either sign
+  void add_low_rank(const RowMatrix& rows, const Eigen::VectorXd& weights);
+  void add_low_rank(const RowMatrix& rows) { add_low_rank(rows, Eigen::VectorXd::Ones(rows.rows())); }
   const RowMatrix& low_rank() const { return low_rank_; } ///< all rows added so; none: no rows, no columns
+  const Eigen::VectorXd& low_rank_weights() const { return low_rank_weights_; } ///< (rank)
   /// y = A x; parallel, the same bits for any number of threads.
   void multiply(const double* x, double* y) const;
   Eigen::VectorXd operator*(const Eigen::VectorXd& x) const;
@@ -103,6 +105,7 @@ class StiffnessMatrix {
   std::shared_ptr<const Connectivity> connectivity_;
   ZeroedArray values_;
   RowMatrix low_rank_;
+  Eigen::VectorXd low_rank_weights_;
 };
 
 /// Symmetric (n × n) matrix over the nodes that acts on each of the three components alike: a mass matrix; with a part

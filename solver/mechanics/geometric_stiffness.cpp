@@ -88,6 +88,7 @@ void add_scaled(const StiffnessMatrix& L, double factor, StiffnessMatrix& K) {
                     [&](const tbb::blocked_range<std::size_t>& range) {
                       for (std::size_t k = range.begin(); k < range.end(); ++k) to[k] += factor * from[k];
                     });
+  if (factor != 0) K.add_low_rank(L.low_rank(), factor * L.low_rank_weights());
 }
 
 } // namespace iga::solve

@@ -74,6 +74,7 @@ std::string text_report(const AnalysisRun& run, const BucklingOutcome& outcome) 
   TextReport report;
   add_models(report, run, outcome.system);
   add_regions(report, outcome.regions);
+  add_attached(report, outcome.attached);
   add_ties(report, outcome.ties);
   if (outcome.constraints > 0) report.line("constraints", "{} by multipliers", outcome.constraints);
   add_preload(report, "loads", run, outcome.system, outcome.growing);
@@ -117,6 +118,7 @@ std::string json_report(const AnalysisRun& run, const BucklingOutcome& outcome) 
       .add("supports", json_of(outcome.regions))
       .add("constraints", outcome.constraints);
   if (!outcome.ties.empty()) report.add("ties", json_of(outcome.ties));
+  add_attached(report, outcome.attached);
   report.add("factors", numbers.factors).add("residuals", numbers.residuals).add("von_mises_at_factors", stress);
   report.add("searched_within", outcome.limit);
   if (outcome.positive.count) report.add("sturm", json_of(*outcome.positive.count));

@@ -41,7 +41,7 @@ stress = "recovered" or "raw"; [[support]], [[load]], [[probe]]; [[line]] name, 
 acceleration, centrifugal = { axis, point, speed or rpm, angular_acceleration }. [[case]] name, loads, prescribed; [temperature]
 uniform, formula, file or results, reference; [[bolt]] plane, force, box, length; inertia_relief; [[heat]] temperature, flux,
 power, convection or source. Attached to a choice of surface, a line or a point: [[spring]] stiffness, normal_stiffness,
-tangential_stiffness, axial and to; [[added_mass]] mass, inertia, at.
+tangential_stiffness, axial and to; [[added_mass]] mass, inertia, at, spread.
 Several bodies, instead of model: [[bodies]] name, model, material, place, light_functions, light_threshold; [[ties]] name,
 bodies, first, second, tolerance, method, penalty_factor join their surfaces; supports, loads and probes say their body.
 Paths in it are relative to its folder; flags override it.)";

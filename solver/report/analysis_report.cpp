@@ -163,8 +163,9 @@ std::string text_of(const AttachedParts::OfMass& mass) {
   const Eigen::Matrix3d& J = mass.added.inertia;
   return text +
          fmt::format(", a rigid body about ({:.6g}), inertia xx yy zz xy yz zx {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} "
-                     "{:.6g}, moves with the region's average motion",
-                     fmt::join(mass.centre, ", "), J(0, 0), J(1, 1), J(2, 2), J(0, 1), J(1, 2), J(2, 0));
+                     "{:.6g}, {}",
+                     fmt::join(mass.centre, ", "), J(0, 0), J(1, 1), J(2, 2), J(0, 1), J(1, 2), J(2, 0),
+                     mass.added.holds_region ? "holds the region rigid" : "moves with the region's average motion");
 }
 
 void add_attached(TextReport& report, const AttachedParts& attached) {
@@ -193,6 +194,7 @@ void add_attached(io::JsonObject& report, const AttachedParts& attached) {
   for (const auto& [region, added, centre] : attached.masses) {
     masses.push_back(place_json(region));
     masses.back().add("mass", added.mass).add("rigid", added.rigid).add("centre", centre);
+    if (added.rigid) masses.back().add("holds_region", added.holds_region);
     sum += added.mass;
   }
   if (!springs.empty()) report.add("springs", springs);

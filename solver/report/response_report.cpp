@@ -48,6 +48,7 @@ void add_response(TextReport& report, const AnalysisRun& run, const ResponseSyst
   add_models(report, run, system.system);
   add_regions(report, system.regions);
   add_ties(report, system.ties);
+  add_attached(report, system.attached);
   report.line("mass", "{:.8g} ({})", system.mass, name_of(run.settings.mass));
   const ModalBasis& basis = system.basis;
   report.line("modes", "{}{} elastic{}{}", basis.rigid > 0 ? fmt::format("{} rigid, ", basis.rigid) : "", basis.elastic,
@@ -81,6 +82,7 @@ void add_response(io::JsonObject& report, const AnalysisRun& run, const Response
   add_models(report, run, system.system);
   report.add("supports", json_of(system.regions)).add("mass", system.mass);
   if (!system.ties.empty()) report.add("ties", json_of(system.ties));
+  add_attached(report, system.attached);
   const ModalBasis& basis = system.basis;
   std::vector<double> frequencies, ratios;
   for (Eigen::Index j = 0; j < basis.size(); ++j) {

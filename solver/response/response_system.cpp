@@ -2,12 +2,14 @@
 
 #include "format/model/errors.hpp"
 #include "format/model/vec3.hpp"
+#include "solver/analysis/participation.hpp"
 #include "solver/base/eigen_points.hpp"
 #include "solver/base/stopwatch.hpp"
 #include "solver/linalg/stage_progress.hpp"
 #include "solver/mechanics/rigid_modes.hpp"
 #include "solver/output/sample_fields.hpp"
 
+#include <algorithm>
 #include <fmt/format.h>
 
 namespace iga::solve {
@@ -47,8 +49,10 @@ void refuse_what_is_not_known(const RunSettings& run) {
   if (unknown)
     throw InputError(
         fmt::format("{}: a response analysis does not know it; leave it out, or run igasolve static", unknown));
-  if (run.response.base && run.supports.empty())
-    throw InputError(fmt::format("{}: the base moves the part through its supports, but the run has no [[support]]",
+  const bool on_springs = std::any_of(run.springs.begin(), run.springs.end(), [](const Spring& s) { return !s.to; });
+  if (run.response.base && run.supports.empty() && !on_springs)
+    throw InputError(fmt::format("{}: the base moves the part through its supports and the springs that stand on the "
+                                 "ground, but the run has no [[support]] and no such [[spring]]",
                                  run.response.base->acceleration.where));
   if (!run.response.base && run.statics.loads.empty())
     throw InputError("nothing excites the part; give a [[load]] or [base]");
@@ -95,33 +99,43 @@ Observed observe(const RunSettings& run, const BodySystem& system, const BoundSy
     seen.displacement.middleRows(3 * k, 3) = Eigen::Map<const MatrixXd>(fields.displacement.data(), 3, V.cols());
     seen.stress.middleRows(6 * k, 6) = Eigen::Map<const MatrixXd>(fields.stress.data(), 6, V.cols());
   }
-  for (const RegionReport& region : regions) seen.supports.push_back(region.name);
-  seen.reaction.resize(6 * static_cast<Index>(regions.size()), V.cols());
-  for (Index j = 0; j < V.cols() && !regions.empty(); ++j) {
-    const std::vector<Reaction> all = reactions(system, bound, V.col(j), VectorXd());
-    for (std::size_t s = 0; s < all.size(); ++s) {
-      const Point3 moment = minus(all[s].moment, cross(regions[s].centroid, all[s].force));
-      seen.reaction.col(j).segment<3>(6 * static_cast<Index>(s)) = as_vector(all[s].force);
-      seen.reaction.col(j).segment<3>(6 * static_cast<Index>(s) + 3) = as_vector(moment);
-    }
+  std::vector<Point3> centroids;
+  const auto holds = [&](const char* kind, const RegionReport& region) {
+    seen.holders.push_back({kind, region.name});
+    centroids.push_back(region.centroid);
+  };
+  for (const RegionReport& region : regions) holds("support", region);
+  for (const PreparedSpring& spring : bound.springs) holds("spring", spring.region.report);
+  seen.reaction.resize(6 * static_cast<Index>(centroids.size()), V.cols());
+  for (Index j = 0; j < V.cols() && !centroids.empty(); ++j) {
+    std::size_t at = 0;
+    const auto take = [&](const Point3& force, const Point3& moment) {
+      const Index row = 6 * static_cast<Index>(at);
+      seen.reaction.col(j).segment<3>(row) = as_vector(force);
+      seen.reaction.col(j).segment<3>(row + 3) = as_vector(minus(moment, cross(centroids[at], force)));
+      ++at;
+    };
+    for (const Reaction& r : reactions(system, bound, V.col(j), VectorXd())) take(r.force, r.moment);
+    for (const SpringForce& f : spring_forces(system, bound.springs, V.col(j))) take(f.force, f.moment);
   }
   return seen;
 }
 
 // Spatial vectors of all excitations, (num_unknowns × excitations).
-MatrixXd excite(const RunSettings& run, const MassOperator& M, ResponseSystem& system) {
+MatrixXd excite(const RunSettings& run, const PreparedSystem& prepared, ResponseSystem& system) {
   const std::vector<Load>& loads = run.statics.loads;
   const auto& base = run.response.base;
   MatrixXd vectors(system.unknowns, static_cast<Index>(loads.size() + (base ? 1 : 0)));
   for (std::size_t k = 0; k < loads.size(); ++k) {
     SystemLoad one = assemble_load(system.system, loads[k]);
+    add_masses(system.system, prepared.bound.masses, loads[k], one);
     vectors.col(static_cast<Index>(k)) = one.load;
     system.loads.push_back(std::move(one.report));
     system.excitations.push_back({fmt::format("load '{}'", loads[k].name), false, 1, run.response.loads[k]});
   }
   if (base) {
     system.base_direction = base->direction;
-    vectors.rightCols(1) = -(M * translation(system.system, base->direction));
+    vectors.rightCols(1) = -(prepared.M * translation(system.system, base->direction));
     system.excitations.push_back({"base", true, base->in_g ? *base->gravity : 1, base->acceleration});
   }
   return vectors;
@@ -144,7 +158,7 @@ ResponseSystem prepare_response(const RunSettings& run, std::span<const TrimmedM
   const BodySystem& system = response.system;
   const std::vector<LocatedProbe> probes = locate_probes(system, run.statics.probes);
   Stopwatch watch(response.timings);
-  const MatrixXd loads = excite(run, prepared.M, response);
+  const MatrixXd loads = excite(run, prepared, response);
   const std::vector<std::string> warnings = region_warnings(response.loads);
   response.warnings.insert(response.warnings.end(), warnings.begin(), warnings.end());
   watch.stage("loads");
@@ -168,9 +182,10 @@ ResponseSystem prepare_response(const RunSettings& run, std::span<const TrimmedM
   response.modal_loads = response.basis.vectors.transpose() * loads;
   response.damping = modal_damping(run.response.damping, response.basis);
   if (response.base_direction) {
-    const VectorXd d = translation(system, *response.base_direction);
+    const Participation moved =
+        participation(system, prepared.M, response.basis.vectors.leftCols(response.basis.modes()));
     response.base_mass_share =
-        response.modal_loads.col(loads.cols() - 1).head(response.basis.modes()).squaredNorm() / d.dot(prepared.M * d);
+        (moved.factors.leftCols<3>() * as_vector(*response.base_direction)).squaredNorm() / moved.total[0];
   }
   after.stage("residual vectors");
   show_stage(run.progress, "probes");

@@ -24,8 +24,13 @@ struct Observed {
   std::vector<std::string> probe_bodies; ///< (probes); empty names where there is one body
   Eigen::MatrixXd displacement;          ///< (3 probes × size)
   Eigen::MatrixXd stress;                ///< (6 probes × size): xx yy zz xy yz zx
-  std::vector<std::string> supports;
-  Eigen::MatrixXd reaction; ///< (6 supports × size): force, moment about the region's centroid
+  /// What holds the part: supports, then springs.
+  struct Holder {
+    const char* kind; ///< "support", "spring"
+    std::string name;
+  };
+  std::vector<Holder> holders;
+  Eigen::MatrixXd reaction; ///< (6 holders × size): force on the part, moment about the region's centroid
 };
 
 struct ResponseSystem : SystemOutcome {
@@ -46,7 +51,7 @@ struct ResponseSystem : SystemOutcome {
 /// @param highest  cycles/time, of the excitation: modes are sought up to twice as high where the run does not say how
 ///                 many; 0: the run's number of modes, transient_modes by default
 /// @throws InputError for what modal superposition does not know: multipliers, prescribed displacements, loads on rigid
-///         regions, a base without supports; and as the analyses of modes and statics
+///         regions, a base without supports and springs to the ground; and as the analyses of modes and statics
 ResponseSystem prepare_response(const RunSettings& run, std::span<const TrimmedModel> models, double highest);
 
 /// Modes of a transient where the run says nothing: its excitation has no highest frequency.

@@ -98,6 +98,10 @@ ResultTable modes_table(const ResponseSystem& system) {
   return std::move(columns).table();
 }
 
+std::string force_text(const Observed::Holder& holder) {
+  return fmt::format("force of {} '{}' on the part, moment about the centroid of its region", holder.kind, holder.name);
+}
+
 const char* moving_name(const ResponseSystem& system) {
   return system.base_direction ? "relative" : "displacement";
 }
@@ -183,11 +187,9 @@ std::vector<ResultTable> tables_of(const ResponseSystem& system, const HarmonicR
     tables.push_back(std::move(columns).table());
   }
   const MatrixXcd reactions = seen.reaction * response.modal;
-  for (std::size_t s = 0; s < seen.supports.size(); ++s) {
+  for (std::size_t s = 0; s < seen.holders.size(); ++s) {
     const Index at = 6 * static_cast<Index>(s);
-    Columns columns(
-        names("support", seen.supports[s]),
-        fmt::format("force of support '{}' on the part, moment about the centroid of its region", seen.supports[s]));
+    Columns columns(names(seen.holders[s].kind, seen.holders[s].name), force_text(seen.holders[s]));
     columns.add("frequency", hertz, response.frequencies);
     columns.add_amplitudes("force", xyz, "force", reactions.middleRows(at, 3));
     columns.add_amplitudes("moment", xyz, "force*length", reactions.middleRows(at + 3, 3));
@@ -274,11 +276,12 @@ std::vector<ResultTable> tables_of(const ResponseSystem& system, const RandomRes
   }
   const VectorXd squares =
       (seen.reaction * response.covariance).cwiseProduct(seen.reaction).rowwise().sum().cwiseMax(0);
-  for (std::size_t s = 0; s < seen.supports.size(); ++s) {
+  for (std::size_t s = 0; s < seen.holders.size(); ++s) {
     const Index at = 6 * static_cast<Index>(s);
-    Columns columns(names("rms_support", seen.supports[s]),
-                    fmt::format("root mean squares (1 sigma) of the force of support '{}', moment about its centroid",
-                                seen.supports[s]));
+    const auto& [kind, name] = seen.holders[s];
+    Columns columns(
+        names(fmt::format("rms_{}", kind).c_str(), name),
+        fmt::format("root mean squares (1 sigma) of the force of {} '{}', moment about its centroid", kind, name));
     columns.add_rows("force", xyz, "force", squares.segment(at, 3).cwiseSqrt());
     columns.add_rows("moment", xyz, "force*length", squares.segment(at + 3, 3).cwiseSqrt());
     tables.push_back(std::move(columns).table());
@@ -337,11 +340,9 @@ std::vector<ResultTable> tables_of(const ResponseSystem& system, const Transient
     tables.push_back(std::move(columns).table());
   }
   const MatrixXd reactions = seen.reaction * response.modal;
-  for (std::size_t s = 0; s < seen.supports.size(); ++s) {
+  for (std::size_t s = 0; s < seen.holders.size(); ++s) {
     const Index at = 6 * static_cast<Index>(s);
-    Columns columns(
-        names("support", seen.supports[s]),
-        fmt::format("force of support '{}' on the part, moment about the centroid of its region", seen.supports[s]));
+    Columns columns(names(seen.holders[s].kind, seen.holders[s].name), force_text(seen.holders[s]));
     columns.add("time", "time", response.times);
     columns.add_rows("force", xyz, "force", reactions.middleRows(at, 3));
     columns.add_rows("moment", xyz, "force*length", reactions.middleRows(at + 3, 3));

@@ -8,16 +8,11 @@
 
 namespace iga::solve {
 
-namespace {
-
-// [r]×: r × v as a matrix.
 Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& r) {
   Eigen::Matrix3d R;
   R << 0, -r[2], r[1], r[2], 0, -r[0], -r[1], r[0], 0;
   return R;
 }
-
-} // namespace
 
 // Of all v + ω × r the one with the least ∫ |u - v - ω × r|²: v = ∫ u / area, ω = J⁻¹ ∫ r × u, r from the centroid.
 RowMatrix average_motion(const BodySystem& system, std::size_t body, const SurfaceRegion& region) {

@@ -135,8 +135,17 @@ AddedMass read_mass(io::SettingsTable& table, std::size_t number) {
     mass.centre = mass.place.at;
     mass.place = {};
     mass.rigid = mass.centre.has_value() || turns;
+    const auto spread = table.text("spread");
+    if (spread && *spread != "average" && *spread != "rigid")
+      refuse(table, "spread",
+             fmt::format("found \"{}\", expected \"average\" (the body moves with the average motion of the region, "
+                         "which deforms) or \"rigid\" (the region moves as a rigid body with it)",
+                         *spread));
+    mass.holds_region = spread && *spread == "rigid";
+    if (mass.holds_region) mass.rigid = true;
   } else {
     if (!mass.place.given()) refuse(table, "region", how_to_choose);
+    if (table.holds("spread")) refuse(table, "spread", "only a body that is joined to a choice of surface has it");
     if (turns)
       refuse(table, "inertia", "a line or a point does not turn a body with it; join the body to a choice of surface");
   }
@@ -164,7 +173,7 @@ std::vector<io::TableKeys> attached_keys() {
                                    {"name", "body", "stiffness", "normal_stiffness", "tangential_stiffness", "rotation",
                                     "rotate_axis_angle", "axial"}},
                                   {"spring.to", {"body"}},
-                                  {"added_mass", {"name", "body", "mass", "inertia"}}};
+                                  {"added_mass", {"name", "body", "mass", "inertia", "spread"}}};
   for (const char* table : {"spring", "spring.to", "added_mass"}) {
     for (const auto& more : region_keys(table)) keys.push_back(more);
     for (const auto& more : place_keys(table)) keys.push_back(more);

@@ -32,20 +32,38 @@ RigidRegions::RigidRegions(const BodySystem& system, std::span<const Load> loads
     : system_(&system) {
   for (std::size_t k = 0; k < loads.size(); ++k) {
     if (!loads[k].rigid) continue;
-    const SystemBody& body = system[bodies[k][0]];
-    const TrimmedModel& model = body.space->model();
-    Region r{k, bodies[k][0], choose_region(model, loads[k].region, fmt::format("load '{}'", loads[k].name)), {}, 0,
-             {}};
-    r.at = loads[k].remote.value_or(r.region.report.centroid);
-    r.beta = penalty_factor * penalty_stiffness(*body.space, body.material, Extent::Surface);
-    const SymmetricEigen3 inertia = symmetric_eigen_3(turning_inertia(model, r.region));
-    r.basis.setZero();
-    r.basis.topLeftCorner<3, 3>().diagonal().setConstant(1 / std::sqrt(r.region.report.area));
-    r.basis.bottomRightCorner<3, 3>() = inertia.vectors * inertia.values.cwiseSqrt().cwiseInverse().asDiagonal();
-    regions_.push_back(std::move(r));
+    const TrimmedModel& model = system[bodies[k][0]].space->model();
+    take(k, bodies[k][0], choose_region(model, loads[k].region, fmt::format("load '{}'", loads[k].name)),
+         loads[k].remote);
   }
-  U_ = Eigen::MatrixXd::Zero(system.num_unknowns(), 6 * static_cast<Eigen::Index>(regions_.size()));
+  add_regions(K);
+}
+
+RigidRegions::RigidRegions(const BodySystem& system, std::vector<Held> held, StiffnessMatrix& K) : system_(&system) {
+  for (Held& one : held) take(0, one.body, std::move(one.region), {});
+  add_regions(K);
+}
+
+void RigidRegions::take(std::size_t load, std::size_t b, SurfaceRegion region, const std::optional<Point3>& at) {
+  const SystemBody& body = (*system_)[b];
+  Region r{load, b, std::move(region), {}, 0, {}};
+  r.at = at.value_or(r.region.report.centroid);
+  r.beta = penalty_factor * penalty_stiffness(*body.space, body.material, Extent::Surface);
+  const SymmetricEigen3 inertia = symmetric_eigen_3(turning_inertia(body.space->model(), r.region));
+  r.basis.setZero();
+  r.basis.topLeftCorner<3, 3>().diagonal().setConstant(1 / std::sqrt(r.region.report.area));
+  r.basis.bottomRightCorner<3, 3>() = inertia.vectors * inertia.values.cwiseSqrt().cwiseInverse().asDiagonal();
+  regions_.push_back(std::move(r));
+}
+
+void RigidRegions::add_regions(StiffnessMatrix& K) {
+  U_ = Eigen::MatrixXd::Zero(system_->num_unknowns(), 6 * static_cast<Eigen::Index>(regions_.size()));
   for (const Region& r : regions_) add_region(r, K);
+}
+
+void RigidRegions::complete(StiffnessMatrix& K) const {
+  if (!regions_.empty())
+    K.add_low_rank(Eigen::MatrixXd(U_.transpose()).sparseView(), Eigen::VectorXd::Constant(U_.cols(), -1));
 }
 
 void RigidRegions::add_region(const Region& r, StiffnessMatrix& K) {

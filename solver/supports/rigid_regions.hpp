@@ -1,4 +1,4 @@
-// Loaded regions that move as rigid bodies: what a flange, a shaft or a test machine's jaw does to its surface.
+// Regions that move as rigid bodies: what a flange, a shaft, a motor or a test machine's jaw does to its surface.
 #pragma once
 
 #include "solver/linalg/linear_solver.hpp"
@@ -18,12 +18,21 @@ struct RegionMotion {
 /// region) would fill it, so the system is solved with K + β M and corrected (Sherman, Morrison & Woodbury 1950).
 class RigidRegions {
  public:
+  RigidRegions() = default; ///< of no region
+  /// Adds β M of regions of the system's bodies to K. The system must outlive the object.
+  struct Held {
+    std::size_t body = 0;
+    SurfaceRegion region;
+  };
+  RigidRegions(const BodySystem& system, std::vector<Held> held, StiffnessMatrix& K);
   /// Adds β M of the loads that keep their region rigid to K. The system must outlive the object.
   /// @param bodies  by load: those that it acts on; one where it acts on a region
   /// @throws InputError for a region without area, naming the load
   RigidRegions(const BodySystem& system, std::span<const Load> loads, std::span<const std::vector<std::size_t>> bodies,
                StiffnessMatrix& K);
 
+  /// Adds -U Uᵀ to K as a part of low rank: then K is whole, and nothing is to be corrected.
+  void complete(StiffnessMatrix& K) const;
   /// @param solver  made with K + β M (and constraints)
   void prepare(const LinearSolver& solver);
   /// The corrected solution. @param b  unknowns, then constraints
@@ -43,10 +52,12 @@ class RigidRegions {
     double beta = 0;
     Eigen::Matrix<double, 6, 6> basis; ///< columns: orthonormal motions, velocity at the centroid and angular velocity
   };
+  void take(std::size_t load, std::size_t body, SurfaceRegion region, const std::optional<Point3>& at);
+  void add_regions(StiffnessMatrix& K);
   void add_region(const Region& r, StiffnessMatrix& K);
   Eigen::Matrix<double, 6, 1> motion_of(std::size_t r, const Eigen::VectorXd& u) const;
 
-  const BodySystem* system_;
+  const BodySystem* system_ = nullptr;
   std::vector<Region> regions_;
   Eigen::MatrixXd U_;                 ///< (num_unknowns × 6 regions)
   Eigen::MatrixXd solved_, capacity_; ///< Z = (K + β M)⁻¹ U with rows for constraints; (I - Uᵀ Z)⁻¹

@@ -2,6 +2,7 @@
 
 #include "format/model/errors.hpp"
 #include "format/model/vec3.hpp"
+#include "solver/base/dense_algebra.hpp"
 #include "solver/base/eigen_points.hpp"
 #include "solver/base/in_order.hpp"
 #include "solver/supports/average_motion.hpp"
@@ -123,6 +124,23 @@ void add_springs(const BodySystem& system, std::span<const PreparedSpring> sprin
         [&](std::size_t s, const Eigen::MatrixXd& block) {
           K.add(body.space->nodes(prepared.region.cells[s]), block, static_cast<std::int32_t>(body.first_node));
         });
+  }
+}
+
+void add_spring_stress(const BodySystem& system, std::span<const PreparedSpring> springs, const Eigen::VectorXd& u,
+                       StiffnessMatrix& L) {
+  for (const PreparedSpring& spring : springs) {
+    if (spring.is_grounded() || spring.spring.total) continue;
+    const Eigen::Vector3d line = as_vector(spring.other.report.centroid) - as_vector(spring.region.report.centroid);
+    const Eigen::Vector3d e = line.normalized();
+    const double tension = e.dot(-spring.pull * (spring.rows * u));
+    if (tension == 0) continue;
+    const Eigen::Matrix<double, 3, 2> across =
+        symmetric_eigen_3(Eigen::Matrix3d(e * e.transpose())).vectors.leftCols<2>();
+    const RowMatrix apart = mean_displacement(system, spring.body, spring.region) -
+                            mean_displacement(system, spring.other_body, spring.other);
+    L.add_low_rank(RowMatrix(Eigen::MatrixXd(across.transpose()).sparseView()) * apart,
+                   Eigen::Vector2d::Constant(tension / line.norm()));
   }
 }
 

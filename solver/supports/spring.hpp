@@ -50,6 +50,12 @@ std::vector<PreparedSpring> prepare_springs(const BodySystem& system, std::span<
 /// Adds ∫ N_i D N_j, local to a span, and springs between two ends as parts of low rank.
 void add_springs(const BodySystem& system, std::span<const PreparedSpring> springs, StiffnessMatrix& K);
 
+/// What the force of springs along the line between their ends adds to the stiffness where the line turns: N / L across
+/// it, N the tension under u and L the distance of the ends. All other springs keep the directions of their forces.
+/// @param u  (num_unknowns) of the linear static state
+void add_spring_stress(const BodySystem& system, std::span<const PreparedSpring> springs, const Eigen::VectorXd& u,
+                       StiffnessMatrix& L);
+
 /// What a spring does to the part.
 struct SpringForce {
   Point3 force{};    ///< on the part; of a spring between two ends, on the first one
