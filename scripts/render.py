@@ -12,7 +12,7 @@ Of results (igasolve eigen part.h5 … -o modes.h5, igasolve static …):
   <modes>_modes.png     the first six elastic (or buckling) modes on one sheet
   <modes>_mode_<n>.png  one mode each, for --mode n (numbers of the results file, the first is 1)
   <static>_static.png   the deformed part, or several bodies; <static>_safety_factor.png and <static>_von_mises_error.png with
-                        --colour of that name (load cases: <static>_case_<n>…)
+                        --colour of that name (load cases: <static>_case_<n>…, and <static>_envelope.png, their largest stress)
   <explicit>_frames.png six times of an explicit run, cut in half, in their true places (--whole: not cut)
   <a>_minus_<b>.png     with --minus b.h5: where and by how much the displacements of two files differ (statics, and with --mode modes),
                         such as igasolve's and Kratos' (scripts/solve_kratos.py), or of two grids; of explicit and nonlinear runs the

@@ -1,10 +1,12 @@
 #include "format/io/vtp_writer.hpp"
 
 #include "format/io/replace_file.hpp"
+#include "format/model/case_envelope.hpp"
 #include "format/model/errors.hpp"
 #include "format/model/vec3.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <fmt/format.h>
@@ -157,6 +159,28 @@ void write_step(const std::filesystem::path& path, const SurfaceResult& s, std::
   write_vtp(path, s.output.mesh, arrays, numbers);
 }
 
+std::filesystem::path envelope_file(const std::filesystem::path& results, std::size_t part, bool several) {
+  const std::string stem = results.stem().string();
+  return viewer_folder(results) / (several ? fmt::format("{}_envelope_{}.vtp", stem, part) : stem + "_envelope.vtp");
+}
+
+// Of load cases: what they do at most, beside the series; none where an earlier run left one.
+void write_envelopes(const std::filesystem::path& path, const Results& results,
+                     std::span<const SurfaceResult* const> parts) {
+  std::error_code ignored;
+  std::filesystem::remove(envelope_file(path, 0, false), ignored);
+  for (std::size_t part = 0; std::filesystem::remove(envelope_file(path, part, true), ignored);) ++part;
+  if (!results.statics || results.statics->cases.size() < 2) return;
+  for (std::size_t part = 0; part < parts.size(); ++part) {
+    const SurfaceEnvelope all = surface_envelope(*parts[part]);
+    const std::array<VtpArray, 4> arrays{{{"von_mises", 1, all.von_mises},
+                                          {"von_mises_case", 1, all.von_mises_case},
+                                          {"displacement", 1, all.displacement},
+                                          {"displacement_case", 1, all.displacement_case}}};
+    write_vtp(envelope_file(path, part, !results.surface), parts[part]->output.mesh, arrays, {});
+  }
+}
+
 // Steps of an earlier, longer series would only confuse.
 void remove_other_steps(const std::filesystem::path& results, std::size_t num_steps) {
   std::error_code error;
@@ -241,6 +265,7 @@ void write_viewer_files(const std::filesystem::path& results_path, const Results
                            : viewer_part(results_path, step, part);
   };
   const std::vector<double>& steps = parts[0]->steps;
+  write_envelopes(results_path, results, parts);
   tbb::parallel_for(std::size_t{0}, steps.size(), [&](std::size_t step) {
     std::vector<VtpNumber> numbers;
     double scale = 1;

@@ -57,7 +57,9 @@ void check_viewer_target(const std::filesystem::path& results, bool force);
 /// mode number (the load step, the time); the arrays have the same names in every step: displacement, von_mises, and
 /// stress and strain where there are any. Modes, whose size means nothing, are scaled so that the largest displacement
 /// is a twentieth of the part's box diagonal; the factor and the frequency are numbers of the data set. Earlier steps
-/// that are no longer listed are removed.
+/// that are no longer listed are removed. Several load cases have a file of their largest values beside the series:
+/// static_vtp/static_envelope.vtp (static_envelope_0.vtp … of several bodies), with the numbers of the cases they
+/// belong to.
 /// @pre results.surface or results.parts is there
 /// @throws InputError as check_viewer_target, and with the system's reason
 void write_viewer_files(const std::filesystem::path& results_path, const Results& results, bool force);

@@ -138,6 +138,16 @@ class Results:
             joined[name] = np.stack([np.concatenate([step[f"{body}/{name}"] for body in bodies]) for step in steps])
         return joined
 
+    def envelope(self):
+        """What several load cases do at most at each vertex of joined_surface(): displacement (n) and von_mises (n), and the numbers
+        of the cases that they belong to, from 0: displacement_case, von_mises_case; of equal ones the first. None without cases."""
+        if "/static/cases" not in self:
+            return None
+        surface = self.joined_surface()
+        size = {"displacement": np.linalg.norm(surface["displacement"], axis=2), "von_mises": surface["von_mises"]}
+        return {**{name: values.max(axis=0) for name, values in size.items()},
+                **{f"{name}_case": values.argmax(axis=0) for name, values in size.items()}}
+
     def field(self, model, coefficients, cells, parameters):
         """u = sum N_i c_i at parameters (n, 3) of given cells (n): coefficients (n_f, 3) of this file, of the functions of the
         model that it was made from. Vertices of the surface lie in the cells "/surface/vertex_cell"."""

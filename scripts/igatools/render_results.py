@@ -212,6 +212,23 @@ def draw_static(shapes, step, colour, scale, sight, file, case=""):
          file, colour_bar=(plt.cm.ScalarMappable(norm, map_name), label), extend=extend)
 
 
+def draw_envelope(shapes, cases, sight, file):
+    """The largest stress of all load cases at each place, and how much of the surface belongs to which case."""
+    most = shapes.results.envelope()
+    top = float(np.percentile(most["von_mises"], SPIKES))
+    norm = Normalize(0, top if top > 0 else 1)
+    pixels = draw_shape(shapes, 0, 0.0, most["von_mises"], norm, sight, shapes.vertices)
+    corners = shapes.vertices[shapes.triangles]
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    shares = [area @ (most["von_mises_case"][shapes.triangles] == k).mean(axis=1) / area.sum() for k in range(len(cases))]
+    worst = most["von_mises"].argmax()
+    page(pixels, f"{shapes.title}: all load cases",
+         f"largest von Mises stress {most['von_mises'][worst]:.4g} in case {cases[most['von_mises_case'][worst]]}; largest on "
+         + ", ".join(f"{100 * share:.3g} % of the surface: {case}" for case, share in zip(cases, shares) if share > 0),
+         file, colour_bar=(plt.cm.ScalarMappable(norm, COLOURS), f"largest {LABELS['von_mises']} of all load cases"),
+         extend="max" if most["von_mises"].max(initial=0) > top else "neither")
+
+
 def draw(arguments, folder):
     """The pictures that the command line asks for."""
     try:
@@ -230,6 +247,8 @@ def draw(arguments, folder):
             of_case, what = (f"_case_{step + 1}" if case else ""), (f"_{colour}" if colour in ("safety_factor", "von_mises_error") else "")
             file = folder / f"{shapes.stem}{of_case + what or '_static'}.png"
             draw_static(shapes, step, colour, arguments.scale, arguments.sight, file, f"case {case}" if case else "")
+        if len(cases) > 1:
+            draw_envelope(shapes, cases, arguments.sight, folder / f"{shapes.stem}_envelope.png")
         return
     colour, count = arguments.colour or "displacement", len(shapes.surface["steps"])
     for number in arguments.mode:

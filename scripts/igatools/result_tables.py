@@ -61,6 +61,8 @@ def result_tables(results):
         yield table
     if "/surface" in results:
         yield surface_table(results, of("surface"))
+        if "/static/cases" in results:
+            yield envelope_table(results, of("envelope"))
 
 
 def participation_table(results, table):
@@ -83,6 +85,17 @@ def series_tables(results, of):
         if f"/time_series/{kind}_names" in results.data:
             for name in results.texts(f"/time_series/{kind}_names"):
                 yield added(of(f"{kind}_{name}").add("/time_series/time"), f"/time_series/{kind}/{name}", columns)
+
+
+def envelope_table(results, table):
+    """The largest values of all load cases at each vertex, and the names of these."""
+    vertices, most, cases = results["/surface/vertices"], results.envelope(), np.array(results.texts("/static/cases/name"))
+    table.plain("vertex", np.arange(len(vertices)))
+    for axis, column in zip("xyz", vertices.T):
+        table.numbers(axis, "length", column)
+    for name, unit in (("displacement", "length"), ("von_mises", "force/length^2")):
+        table.numbers(name, unit, most[name]).plain(f"{name}_case", cases[most[f"{name}_case"]])
+    return table
 
 
 def surface_table(results, table):

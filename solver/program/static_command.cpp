@@ -7,6 +7,9 @@
 #include "solver/report/static_report.hpp"
 #include "solver/report/stress_report.hpp"
 
+#include <algorithm>
+#include <fmt/ranges.h>
+
 namespace iga::solve {
 
 namespace {
@@ -78,6 +81,14 @@ void add_solutions(std::vector<StaticSolution>& solutions, Results& results) {
   results.statics->cases = std::move(cases);
 }
 
+// Of recovered stress at the surface.
+std::size_t case_of_largest(std::span<const StressReport> stress) {
+  const auto smaller = [](const StressReport& a, const StressReport& b) {
+    return a.largest.von_mises < b.largest.von_mises;
+  };
+  return static_cast<std::size_t>(std::max_element(stress.begin(), stress.end(), smaller) - stress.begin());
+}
+
 std::string json_report(const AnalysisRun& run, const BodySystem& system, std::span<const StaticSolution> solutions,
                         std::span<const StressReport> stress) {
   io::JsonObject report;
@@ -93,7 +104,10 @@ std::string json_report(const AnalysisRun& run, const BodySystem& system, std::s
     }
     const CaseEnvelope envelope = envelope_of(solutions);
     report.add("cases", cases);
+    const std::size_t surface = case_of_largest(stress);
     report.add("envelope", io::JsonObject()
+                               .add("largest_surface_von_mises", stress[surface].largest.von_mises)
+                               .add("largest_surface_von_mises_case", solutions[surface].case_name)
                                .add("largest_displacement", solutions[envelope.displacement].largest_displacement.value)
                                .add("largest_displacement_case", solutions[envelope.displacement].case_name)
                                .add("largest_von_mises", solutions[envelope.von_mises].largest_von_mises.value)
@@ -115,7 +129,12 @@ std::string text_report(const AnalysisRun& run, const BodySystem& system, std::s
   std::string cases;
   for (std::size_t c = 0; c < solutions.size(); ++c)
     cases += fmt::format("case '{}'\n{}", solutions[c].case_name, one(c));
-  return head.text() + cases + envelope_text(solutions, system) + end.text();
+  const std::size_t surface = case_of_largest(stress);
+  const PeakStress& peak = stress[surface].largest;
+  return head.text() + cases + envelope_text(solutions, system) +
+         fmt::format("  largest von Mises stress of the surface {:.6g} in case '{}' at ({:.6g}){}\n", peak.von_mises,
+                     solutions[surface].case_name, fmt::join(peak.at, ", "), of_body(system, peak.body)) +
+         end.text();
 }
 
 } // namespace

@@ -1,6 +1,7 @@
 #include "solver/report/export_tables.hpp"
 
 #include "format/io/field_files.hpp"
+#include "format/model/case_envelope.hpp"
 #include "format/model/span_state.hpp"
 #include "format/model/time_series.hpp"
 #include "solver/stress/principal.hpp"
@@ -75,6 +76,22 @@ void visit_surface(const SurfaceResult& s, const Units& units, const TableVisito
   add_fields(table, units, s.fields);
   visit(table);
   visit_triangles("triangles", s.output.mesh, visit);
+}
+
+// The largest values of all load cases and the names of these.
+void visit_envelope(const SurfaceResult& s, const std::vector<CaseResult>& cases, const Units& units,
+                    const TableVisitor& visit) {
+  const SurfaceEnvelope all = surface_envelope(s);
+  CsvTable table("envelope", s.output.mesh.vertices.size());
+  add_vertices(table, units, s.output.mesh);
+  const auto name = [&](const char* title, const std::vector<double>& number) {
+    table.add(title, [&](std::size_t row) { return cases[static_cast<std::size_t>(number[row]) - 1].name; });
+  };
+  table.numbers("displacement", units("length"), all.displacement);
+  name("displacement_case", all.displacement_case);
+  table.numbers("von_mises", units("force/length^2"), all.von_mises);
+  name("von_mises_case", all.von_mises_case);
+  visit(table);
 }
 
 void visit_modes(const EigenResult& e, const TableVisitor& visit) {
@@ -296,6 +313,8 @@ void visit_tables(const std::filesystem::path& file, const Results& results, con
   if (results.time_series) visit_series(*results.time_series, units, visit);
   for (const ResultTable& table : results.tables) visit_table(table, units, visit);
   if (results.surface) visit_surface(*results.surface, units, visit);
+  if (results.surface && results.statics && results.statics->cases.size() > 1)
+    visit_envelope(*results.surface, results.statics->cases, units, visit);
   if (results.fields) visit_field_files(file, results, units, visit);
 }
 

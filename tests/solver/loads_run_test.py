@@ -128,6 +128,7 @@ class Loads(unittest.TestCase):
         self.assertAlmostEqual(both["loads"][1]["force"][0], 2000, places=8)
         self.assertLess(both["energy_defect"], 1e-8)
         self.assertEqual(report["envelope"]["largest_von_mises_case"], "all")
+        self.assertEqual(report["envelope"]["largest_surface_von_mises_case"], "all")
         results = iga_results.read(self.path / "static.h5")
         self.assertEqual(results.texts("/static/cases/name"), ["hot", "all"])
         np.testing.assert_array_equal(results["/static/cases/factor"], [[0, 0], [1, 2]])
@@ -142,6 +143,19 @@ class Loads(unittest.TestCase):
         with open(self.path / "cases.csv", newline="") as file:
             rows = list(csv.DictReader(file))
         self.assertEqual(rows[1]["factor of pull [1]"], "2")
+        mises = results["/surface/von_mises"]
+        self.assertTrue((self.path / "static_vtp/static_envelope.vtp").exists())
+        subprocess.run([IGASOLVE, "export", self.path / "static.h5", "--csv", "--table", "envelope", "-o", self.path / "envelope.csv",
+                        "--force"], check=True, capture_output=True)
+        with open(self.path / "envelope.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+        column = next(name for name in rows[0] if name.startswith("von_mises ["))
+        np.testing.assert_array_equal([float(row[column]) for row in rows], mises.max(axis=0))
+        self.assertEqual([row["von_mises_case"] for row in rows], [("hot", "all")[k] for k in mises.argmax(axis=0)])
+        most = results.envelope()
+        np.testing.assert_array_equal(most["von_mises"], mises.max(axis=0))
+        np.testing.assert_array_equal(most["von_mises_case"], mises.argmax(axis=0))
+        np.testing.assert_array_equal(most["displacement"], np.linalg.norm(results["/surface/displacement"], axis=2).max(axis=0))
         text = self.run_file("static", STATIC).stdout
         for words in ("case 'hot'", "temperature (heat.h5): 20 … 100", "load 'pull' (total force) × 2", "all cases:"):
             self.assertIn(words, text)
