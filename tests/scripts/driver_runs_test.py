@@ -74,6 +74,76 @@ class Modes(Case):
             self.assertAlmostEqual(report["order_relied_on"], order)
 
 
+class RunFiles(Case):
+    """Analyses of a run file: numbers of igasolve's report followed over the grids, and a page."""
+
+    HELD = f'''material = "steel"
+[[support]]
+name = "clamp"
+region = "{LEFT}"
+[[load]]
+name = "end"
+force = [-100, 0, 1]
+region = "{RIGHT}"
+history = [[0, 0], [1e-3, 1]]
+[[probe]]
+name = "tip"
+position = [40, 5, 4]
+'''
+
+    def follow(self, command, text, *words, **more):
+        run = self.folder / "run.toml"
+        run.write_text(text)
+        report, done = self.iga(command, self.bar, "--length-unit", "mm", "--region-angle", 30, "--span-size", 8, "--run", run, *words,
+                                output=command, **more)
+        if report:
+            self.assertTrue((self.folder / command / "report.html").exists())
+        return report, done
+
+    def test_buckling(self):
+        report, _ = self.follow("buckling", self.HELD + "[buckling]\nfactors = 1\n")
+        factor = self.quantity(report, "factor 1")
+        euler = np.pi**2 * 210e3 * 10 * 8**3 / 12 / (4 * 40**2)
+        exact = euler / (1 + euler / (5 / 6 * 210e3 / 2.6 * 80)) / 100
+        self.assertLess(abs(factor["value"] / exact - 1), factor["error"] + 0.03)  # ν, and a stocky bar
+
+    def test_heat(self):
+        report, _ = self.follow("heat", f'''material = "steel"
+[[heat]]
+name = "cold"
+temperature = 20
+region = "{LEFT}"
+[[heat]]
+name = "flame"
+power = 100
+region = "{RIGHT}"
+[[probe]]
+name = "middle"
+position = [20, 5, 4]
+''')
+        self.assertAlmostEqual(self.quantity(report, "temperature at middle")["value"], 20 + 100 * 20 / (53.3 * 80), places=6)
+        self.assertAlmostEqual(self.quantity(report, "power through cold")["value"], -100, places=6)
+
+    def test_transient(self):
+        report, _ = self.follow("transient", self.HELD + "[damping]\nratio = 0.05\n[transient]\nend = 2e-3\n[eigen]\nmodes = 3\n")
+        for what in ("displacement", "acceleration", "von Mises"):
+            self.assertGreater(self.quantity(report, f"largest {what} at tip")["value"], 0)
+
+    def test_load_cases(self):
+        report, _ = self.follow("static", self.HELD.replace("history = [[0, 0], [1e-3, 1]]\n", "") +
+                                '[[case]]\nname = "once"\nloads = { end = 1 }\n[[case]]\nname = "twice"\nloads = { end = 2 }\n')
+        once, twice = (self.quantity(report, f"{case}: displacement at tip") for case in ("once", "twice"))
+        self.assertAlmostEqual(twice["value"] / once["value"], 2, places=9)
+        self.assertAlmostEqual(twice["error"], once["error"], places=9)
+        self.assertEqual([load["name"] for load in report["loads"]], ["once: end", "twice: end"])
+
+    def test_what_is_missing(self):
+        for command, text, words in (("harmonic", self.HELD, "has no [damping]"), ("heat", self.HELD, "has no [[heat]]"),
+                                     ("random", "material = \"steel\"\n[damping]\nratio = 0.1\n", "has no [[probe]]")):
+            _, done = self.follow(command, text, code=2)
+            self.assertIn(words, done.stderr)
+
+
 class FirstSpans(Case):
     def first(self, part):
         report, _ = self.iga("modes", part, *STEEL, "--modes", 1, "--max-time", 0.1)

@@ -39,6 +39,7 @@ class Grid:
 class GridRun:
     """A command; options: see `iga <command> --help`. Commands say how to solve() one grid, how to estimate(), what to report."""
     COMMAND = ANALYSIS = ""
+    MEMORY = ""  # whose memory igasolve info tells for it; default: its analysis' own
     PREP = ("--trimmed", "nnls")
     # Time and memory go with powers of the number of spans along a side: those of a factor are 6 and 4 in the limit; that of the time
     # is 2.6 … 3.2 at 10 000 … 160 000 unknowns.
@@ -176,7 +177,7 @@ class GridRun:
 
     def refuse_beyond_memory(self, name):
         found = self.programs.run("igasolve", "info", self.options.output / name)
-        need = found["memory_estimate"][f"{self.ANALYSIS}_bytes"] / GIB
+        need = found["memory_estimate"][f"{self.MEMORY or self.ANALYSIS}_bytes"] / GIB
         limit = self.options.memory or MEMORY_SHARE * free_memory_gib()
         if need > limit:
             raise Failed(f"igasolve would need {need:.2g} GiB, {limit:.2g} GiB may be used (--memory)", 2)

@@ -20,6 +20,9 @@ def command_of(o, programs):
     if o.command == "static":
         from igatools.driver.static import StaticRun
         return StaticRun(programs, o)
+    if o.command in options.ANALYSES:
+        from igatools.driver.analyses import AnalysisRun
+        return AnalysisRun(programs, o)
     if o.command == "impact" and o.run:
         from igatools.driver.impact import ImpactRun
         return ImpactRun(programs, o)

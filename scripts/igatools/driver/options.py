@@ -6,7 +6,10 @@ from pathlib import Path
 from igatools.driver import loads, units
 
 COMMANDS = {"modes": "vibration modes", "static": "displacements and stresses under loads", "drop": "fall on a rigid floor",
-            "impact": "run of explicit dynamics with the part in it, or a hit on a rigid wall"}
+            "impact": "run of explicit dynamics with the part in it, or a hit on a rigid wall",
+            "buckling": "loads at which the part buckles", "heat": "steady temperatures", "harmonic": "frequency response",
+            "random": "random vibration", "transient": "answer over time by superposition of modes"}
+ANALYSES = ("buckling", "heat", "harmonic", "random", "transient")  # of a run file
 ABOUT = {
     "modes": """Vibration modes, each frequency with its estimated error.
 
@@ -30,7 +33,17 @@ The part starts just above the floor with the speed of the fall. Without --yield
     "impact": """A hit: the part flies against a rigid wall (--speed), or takes part in a run file of explicit dynamics (--run).
 
   iga impact part.step --material aluminium --speed 8m/s --direction 1,0,0
-  iga impact part.step --run impact.toml --body bumper                     whose model the part replaces"""}
+  iga impact part.step --run impact.toml --body bumper                     whose model the part replaces""",
+    "buckling": """Factors on the loads of a run file at which the part buckles, each with its estimated error.
+
+  iga buckling column.step --material steel --run press.toml --tolerance 2%""",
+    "heat": """Steady temperatures at the probes of a run file and powers through its [[heat]] surfaces, with estimated errors.
+
+  iga heat bracket.step --material steel --run hot.toml --tolerance 1%""",
+    **{command: f"""Answers at the probes of a run file ({what}), each with its estimated error.
+
+  iga {command} part.step --material steel --run shake.toml --tolerance 5%""" for command, what in (
+        ("harmonic", "largest over the frequencies"), ("random", "root mean squares"), ("transient", "largest over the time"))}}
 
 
 def number(words, least=None, what="a number"):
@@ -156,6 +169,8 @@ def parser_of(about):
             p.add_argument("--run", type=Path, metavar="TOML", help="run file with supports, and the material where it is not given here")
         elif command == "static":
             add_static(p)
+        elif command in ANALYSES:
+            p.add_argument("--run", type=Path, metavar="TOML", required=True, help=f"run file of igasolve {command}")
         else:
             add_hit(p, command)
     return parser, commands

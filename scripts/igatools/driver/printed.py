@@ -69,7 +69,7 @@ def quantities(report):
 
 def about_errors(report, what):
     order = report["order_relied_on"]
-    why = " (sharp re-entrant edges, or ends of supports)" if report["command"] in ("modes", "static") and order <= REENTRANT_ORDER else ""
+    why = " (sharp re-entrant edges, or ends of supports)" if report["command"] not in ("drop", "impact") and order <= REENTRANT_ORDER else ""
     solution = ", and from what the solution leaves of the equations; the larger counts" if report["command"] in ("modes", "static") else ""
     return wrapped("error", f"estimated distance from the limit of smaller and smaller spans, relative: from how {what} changes from grid "
                             f"to grid, with order {order:.3g} relied on at most{why}{solution}. Not in it: facets instead of the exact "

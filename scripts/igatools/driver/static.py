@@ -41,31 +41,34 @@ class StaticRun(GridRun):
     def measure(self, grid):
         model, results = iga_model.read(grid.model), iga_results.read(grid.results)
         self.singular = self.is_singular(model)
+        grid.found = {"quantities": [quantity for step, statics in enumerate(cases_of(grid.report))
+                                     for quantity in self.quantities_of(grid, results, step, statics)]}
+
+    def quantities_of(self, grid, results, step, statics):
+        """Of one load case; their names begin with its own where there are several."""
         system = self.system(grid)
         unit = lambda measure: units.symbol(system, measure, grid.prep["length_unit"])  # noqa: E731
+        named = lambda what: f"{statics['case']}: {what}" if statics.get("case") else what  # noqa: E731
         order = (self.options.degree, self.singular)
-        statics = grid.report["statics"]
         concentrated = concentrated_force(statics)
-        surface, displacement = results["/surface/vertices"], results["/surface/displacement"][0]
+        surface, displacement = results["/surface/vertices"], results["/surface/displacement"][step]
         size = np.linalg.norm(displacement, axis=1)
-        mises = results["/surface/von_mises"][0]
-        found = [Quantity("strain energy", unit("energy"), statics["strain_energy"], estimate.reliable_order(*order),
-                          no_limit=concentrated, from_solution=statics.get("error_estimate", {}).get("strain_energy")),
-                 Quantity("largest displacement", unit("length"), float(size.max()), estimate.largest_order(*order),
-                          kind="displacement", no_limit=concentrated, note=f"at {loads.in_words(surface[size.argmax()])}"),
-                 Quantity("largest von Mises", unit("stress"), float(mises.max()), estimate.stress_order(*order), kind="stress",
-                          no_limit=self.no_stress_at(surface[mises.argmax()], grid, statics.get("no_limit_beside")),
-                          note=f"at {loads.in_words(surface[mises.argmax()])}")]
+        mises = results["/surface/von_mises"][step]
+        yield Quantity(named("strain energy"), unit("energy"), statics["strain_energy"], estimate.reliable_order(*order),
+                       no_limit=concentrated, from_solution=statics.get("error_estimate", {}).get("strain_energy"))
+        yield Quantity(named("largest displacement"), unit("length"), float(size.max()), estimate.largest_order(*order),
+                       kind="displacement", no_limit=concentrated, note=f"at {loads.in_words(surface[size.argmax()])}")
+        yield Quantity(named("largest von Mises"), unit("stress"), float(mises.max()), estimate.stress_order(*order), kind="stress",
+                       no_limit=self.no_stress_at(surface[mises.argmax()], grid, statics.get("no_limit_beside")),
+                       note=f"at {loads.in_words(surface[mises.argmax()])}")
         for probe in statics["probes"]:
             at = np.array(probe["position"])
             beside = probe.get("no_limit_beside")
-            found += [Quantity(f"displacement at {probe['name']}", unit("length"), float(np.linalg.norm(probe["displacement"])),
-                               estimate.displacement_order(*order), kind="displacement",
-                               no_limit=f"{beside} acts on a line or at a point nearby" if beside else None),
-                      Quantity(f"von Mises at {probe['name']}", unit("stress"), probe["von_mises"], estimate.stress_order(*order),
-                               kind="stress",
-                               no_limit=self.no_stress_at(at, grid, beside))]
-        grid.found = {"quantities": found}
+            yield Quantity(named(f"displacement at {probe['name']}"), unit("length"), float(np.linalg.norm(probe["displacement"])),
+                           estimate.displacement_order(*order), kind="displacement",
+                           no_limit=f"{beside} acts on a line or at a point nearby" if beside else None)
+            yield Quantity(named(f"von Mises at {probe['name']}"), unit("stress"), probe["von_mises"], estimate.stress_order(*order),
+                           kind="stress", no_limit=self.no_stress_at(at, grid, beside))
 
     def no_stress_at(self, at, grid, beside):
         """Why a stress there depends on the span size, if it does."""
@@ -96,9 +99,17 @@ class StaticRun(GridRun):
         return density * self.grids[-1].prep["volume"] if density else None
 
     def findings(self):
-        statics = self.grids[-1].report["statics"]
-        return {"quantities": self.entries, "run_file": str(self.run_path), "supports": statics["supports"],
-                "loads": statics["loads"], "force_balance": statics["force_balance"]}
+        cases = cases_of(self.grids[-1].report)
+        forces = lambda kind: [entry | ({"name": f"{statics['case']}: {entry['name']}"} if statics.get("case") else {})  # noqa: E731
+                               for statics in cases for entry in statics[kind]]
+        balance = max((statics["force_balance"] for statics in cases), key=np.linalg.norm)
+        return {"quantities": self.entries, "run_file": str(self.run_path), "supports": forces("supports"), "loads": forces("loads"),
+                "force_balance": balance}
+
+
+def cases_of(report):
+    """The load cases of a report of igasolve static; of a run without [[case]] the one that there is."""
+    return report.get("cases") or [report["statics"]]
 
 
 def concentrated_force(statics):

@@ -68,7 +68,7 @@ def history_table(report):
 def explanation(report):
     order = report.get("order_relied_on")
     relied = f", relying on convergence of order {order:.3g}" if order else ""
-    is_singular = order and order < 2 and report.get("command") in ("modes", "static")
+    is_singular = order and order < 2 and report.get("command") not in ("drop", "impact")
     reason = " (sharp re-entrant edges or supports make it low)" if is_singular else ""
     solution = ", and from what the solution leaves of the equations; the larger counts" if \
         report.get("command") in ("modes", "static") else ""

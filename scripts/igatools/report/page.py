@@ -7,7 +7,9 @@ from igatools.report import answer, convergence, energies, scene, tables, threed
 
 HERE = Path(__file__).parent
 SCRIPTS = ["tabs", "plots", "arrays", "colours", "surface", "camera", "view", "picture", "controls", "start"]  # in this order
-TITLES = {"modes": "Vibration modes", "static": "Static analysis", "drop": "Drop test", "impact": "Impact"}
+TITLES = {"modes": "Vibration modes", "static": "Static analysis", "drop": "Drop test", "impact": "Impact",
+          "buckling": "Buckling", "heat": "Steady temperatures", "harmonic": "Frequency response", "random": "Random vibration",
+          "transient": "Transient response"}
 
 
 def html(report, folder):

@@ -8,7 +8,7 @@ from igatools.report.files import located
 BUDGET = 5_000_000      # bytes of arrays in a page; a third more as base64
 MOST_VERTICES = 50_000  # of a surface: what a small computer turns without delay
 MOST_FRAMES = 60        # of a run over time
-KINDS = {"eigen": "swing", "static": "load", "explicit": "time"}  # of motion, by analysis
+KINDS = {"eigen": "swing", "buckling": "swing", "explicit": "time"}  # of motion, by analysis; else "load"
 
 
 class Scene:
@@ -43,7 +43,7 @@ class Scene:
         vertices = surface["vertices"][kept]
         low, high = self._box(vertices, surface, kept, steps)
         centre = 0.5 * (low + high)
-        return {"kind": KINDS[self.results.analysis] if self.results else "load", "units": self.units,
+        return {"kind": KINDS.get(self.results.analysis, "load") if self.results else "load", "units": self.units,
                 "centre": centre.tolist(), "half": (0.5 * (high - low)).tolist(),
                 "vertices": arrays.reals(vertices - centre), "triangles": arrays.integers(triangles),
                 "steps": [self._step(surface, kept, *step) for step in steps], "spans": self._spans(surface),
@@ -77,9 +77,15 @@ class Scene:
         if self.results.analysis == "eigen":
             return self._modes(surface)
         count = len(surface["steps"])
+        if self.results.analysis == "buckling":
+            return [(row, f"Factor {factor:.5g}") for row, factor in enumerate(self.results["/buckling/factor"])]
+        if self.results.analysis == "static" and "/static/cases/name" in self.results:
+            return [(row, f"Case {name}") for row, name in enumerate(self.results.texts("/static/cases/name"))]
+        if self.results.analysis in ("harmonic", "random"):
+            return [(row, f"Field {row + 1}") for row in range(count)]
         if self.results.analysis == "static":
             return [(row, f"Load step {surface['steps'][row]:g}" if count > 1 else "Under load") for row in range(count)]
-        if rigid := self.results.texts("/time_series/rigid_names"):
+        if "/time_series/rigid_names" in self.results and (rigid := self.results.texts("/time_series/rigid_names")):
             self.notes.append(f"Rigid bodies are not drawn: {', '.join(rigid)}.")
         rows = np.unique(np.linspace(0, count - 1, min(count, MOST_FRAMES)).round().astype(int))
         if len(rows) < count:
@@ -114,7 +120,7 @@ class Scene:
         displacement = surface["displacement"][row]
         step = {"label": label, "displacement": arrays.reals(displacement[kept]),
                 "largest": float(np.linalg.norm(displacement, axis=1).max())}
-        if "von_mises" in surface and self.results.analysis != "eigen":  # the size of a mode means nothing
+        if "von_mises" in surface and self.results.analysis not in ("eigen", "buckling"):  # the size of a mode means nothing
             stress = surface["von_mises"][row]
             step["von_mises"] = arrays.reals(stress[kept])
             step["largest_stress"] = float(stress.max())
