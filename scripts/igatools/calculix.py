@@ -33,17 +33,26 @@ def held_lines(held):
     return lines
 
 
-def deck(mesh, material, held):
-    """material: {"E", "nu"} and, for frequencies, "rho"."""
-    lines = ["*NODE, NSET=ALL", *(f"{k + 1}, " + ", ".join(f"{c:.12g}" for c in x) for k, x in enumerate(mesh.nodes)),
-             f"*ELEMENT, TYPE={mesh.kind}, ELSET=SOLID"]
-    for k, row in enumerate(mesh.elements):
+def node_lines(nodes):
+    return ["*NODE, NSET=ALL", *(f"{k + 1}, " + ", ".join(f"{c:.12g}" for c in x) for k, x in enumerate(nodes))]
+
+
+def element_lines(elements, kind, material, name="SOLID", first=1):
+    """Elements (zero-based numbers of nodes) from number `first` on as the set `name`, with their material: {"E", "nu"} and, for
+    frequencies, "rho"."""
+    lines = [f"*ELEMENT, TYPE={kind}, ELSET={name}"]
+    for k, row in enumerate(elements, first):
         words = [str(n + 1) for n in row]
-        lines += [", ".join([str(k + 1), *words[:10]]) + ("," if len(words) > 10 else ""), *([", ".join(words[10:])] if words[10:] else [])]
-    lines += ["*MATERIAL, NAME=M", "*ELASTIC", f"{material['E']:.12g}, {material['nu']:.12g}"]
+        lines += [", ".join([str(k), *words[:10]]) + ("," if len(words) > 10 else ""), *([", ".join(words[10:])] if words[10:] else [])]
+    lines += [f"*MATERIAL, NAME=M{name}", "*ELASTIC", f"{material['E']:.12g}, {material['nu']:.12g}"]
     if "rho" in material:
         lines += ["*DENSITY", f"{material['rho']:.12g}"]
-    return [*lines, "*SOLID SECTION, ELSET=SOLID, MATERIAL=M", *held_lines(held)]
+    return [*lines, f"*SOLID SECTION, ELSET={name}, MATERIAL=M{name}"]
+
+
+def deck(mesh, material, held):
+    """Mesh, material (as element_lines) and what is held (held_lines); elements are the set SOLID."""
+    return [*node_lines(mesh.nodes), *element_lines(mesh.elements, mesh.kind, material), *held_lines(held)]
 
 
 def write_deck(path, nodes, tets, material, modes):

@@ -40,24 +40,34 @@ def gmsh_script(stl, size):
     return GEOMETRY.format(stl=stl, classify=classify, sizes=f"Mesh.MeshSizeMin = {size};\nMesh.MeshSizeMax = {size};")
 
 
-def read_linear_tets(path):
-    """Nodes (n, 3) and 4-node tetrahedra (m, 4), zero-based, of a mesh that Gmsh wrote in Abaqus format."""
-    nodes, tets, target = [], [], None
-    with open(path) as file:
+def read_tets(path, kind):
+    """Nodes (n, 3) and {element set: (m, k)} of the tetrahedra (kind C3D4: k = 4, C3D10: k = 10), zero-based, of a mesh that
+    Gmsh wrote in Abaqus format; nodes of no such element are left out."""
+    size = int(kind.removeprefix("C3D")) + 1
+    nodes, sets, target = [], {}, None
+    with open(path, encoding="utf-8") as file:
         for line in file:
             if line.startswith("*"):
                 key = line.upper()
-                target = nodes if key.startswith("*NODE") else tets if "C3D4" in key else None
+                target = nodes if key.startswith("*NODE") else None
+                if key.startswith("*ELEMENT") and f"TYPE={kind}" in key.replace(" ", "").strip().split(","):
+                    target = sets.setdefault(line.split("=")[-1].strip(), [])
             elif target is not None and line.strip():
-                target.append(line)
-    if not nodes or not tets:
+                target.append(line.strip().rstrip(","))
+    if not nodes or not any(sets.values()):
         raise MeshError(f"{path}: has no tetrahedra; see Gmsh's log beside it")
     nodes = np.array([line.split(",") for line in nodes], dtype=float)
-    tets = np.array([line.split(",")[1:5] for line in tets], dtype=np.int64)
-    used, tets = np.unique(tets, return_inverse=True)
+    rows = {name: np.array(",".join(lines).split(","), dtype=np.int64).reshape(-1, size)[:, 1:] for name, lines in sets.items()}
+    used = np.unique(np.concatenate([numbers.ravel() for numbers in rows.values()]))
     order = np.argsort(nodes[:, 0])
-    rows = order[np.searchsorted(nodes[order, 0].astype(np.int64), used)]
-    return nodes[rows, 1:], tets.reshape(-1, 4)
+    at = order[np.searchsorted(nodes[order, 0].astype(np.int64), used)]
+    return nodes[at, 1:], {name: np.searchsorted(used, numbers) for name, numbers in rows.items()}
+
+
+def read_linear_tets(path):
+    """Nodes (n, 3) and 4-node tetrahedra (m, 4), zero-based, of all element sets of a mesh that Gmsh wrote in Abaqus format."""
+    nodes, sets = read_tets(path, "C3D4")
+    return nodes, np.concatenate(list(sets.values()))
 
 
 def volumes(nodes, tets):

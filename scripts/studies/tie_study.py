@@ -15,7 +15,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from compare_fem import ComparisonError, program  # noqa: E402
-from igatools import ROOT, calculix  # noqa: E402
+from igatools import ROOT, calculix, tet_mesh  # noqa: E402
 from igatools.measured_run import RunError, measured_report, measured_run  # noqa: E402
 from igatools.stl import write_stl  # noqa: E402
 
@@ -42,49 +42,27 @@ def geometry(sizes, conforming):
     return "\n".join([*lines, "Mesh.ElementOrder = 2;", "Mesh.SaveGroupsOfNodes = 0;", ""])
 
 
-def read_mesh(path):
-    """Nodes {number: position} and C3D10 {volume: rows of element and node numbers} of a mesh in Abaqus format."""
-    nodes, bodies, target, waiting = {}, {}, None, []
-    for line in path.read_text().splitlines():
-        if line.startswith("*"):
-            key = line.upper()
-            target = nodes if key.startswith("*NODE") else None
-            if "C3D10" in key:
-                target = bodies.setdefault(line.split("=")[-1].strip(), [])
-        elif target is nodes and line.strip():
-            words = line.split(",")
-            nodes[int(words[0])] = [float(word) for word in words[1:4]]
-        elif target is not None and line.strip():
-            waiting += [int(word) for word in line.split(",") if word.strip()]
-            if len(waiting) == 11:
-                target.append(waiting)
-                waiting = []
-    return nodes, dict(zip(BOXES, bodies.values()))
-
-
-def joint_faces(nodes, elements, low, high):
-    """"element, Sk" of the faces on the joint whose centroid lies above the plate's foot, or near it."""
+def joint_faces(nodes, elements, first, low, high):
+    """"element, Sk" of the faces on the joint whose centroid lies above the plate's foot, or near it; elements from number
+    `first` on."""
     found = []
-    for element, *corners in elements:
-        for k, face in enumerate(FACES):
-            x = np.array([nodes[corners[c]] for c in face])
-            middle = x.mean(axis=0)
-            if np.abs(x[:, 2] - JOINT).max() < 1e-6 and (middle[:2] >= low).all() and (middle[:2] <= high).all():
-                found.append(f"{element}, S{k + 1}")
+    for k, face in enumerate(FACES):
+        x = nodes[elements[:, face]]
+        middle = x.mean(axis=1)[:, :2]
+        on_joint = (np.abs(x[..., 2] - JOINT) < 1e-6).all(1) & (middle >= low).all(1) & (middle <= high).all(1)
+        found += [f"{first + element}, S{k + 1}" for element in np.flatnonzero(on_joint)]
     return found
 
 
 def write_deck(path, nodes, bodies, tied):
-    lines = ["*NODE, NSET=ALL", *(f"{n}, " + ", ".join(f"{c:.12g}" for c in x) for n, x in nodes.items())]
+    lines, first = calculix.node_lines(nodes), {}
     for name, elements in bodies.items():
-        E, nu, rho = MATERIALS[name]
-        lines += [f"*ELEMENT, TYPE=C3D10, ELSET={name.upper()}", *(", ".join(map(str, row)) for row in elements),
-                  f"*MATERIAL, NAME=M{name.upper()}", "*ELASTIC", f"{E}, {nu}", "*DENSITY", f"{rho}",
-                  f"*SOLID SECTION, ELSET={name.upper()}, MATERIAL=M{name.upper()}"]
+        first[name] = 1 + sum(len(bodies[other]) for other in first)
+        lines += calculix.element_lines(elements, "C3D10", dict(zip(("E", "nu", "rho"), MATERIALS[name])), name.upper(), first[name])
     if tied:
         low, high = (np.array(corner[:2]) for corner in BOXES["plate"])
-        lines += ["*SURFACE, NAME=FOOT", *joint_faces(nodes, bodies["plate"], low, high),
-                  "*SURFACE, NAME=GROUND", *joint_faces(nodes, bodies["base"], low - 4, high + 4),
+        faces = lambda name, *corners: joint_faces(nodes, bodies[name], first[name], *corners)  # noqa: E731
+        lines += ["*SURFACE, NAME=FOOT", *faces("plate", low, high), "*SURFACE, NAME=GROUND", *faces("base", low - 4, high + 4),
                   "*TIE, NAME=JOINT, POSITION TOLERANCE=0.01, ADJUST=NO", "FOOT, GROUND"]
     lines += ["*STEP", "*FREQUENCY, SOLVER=SPOOLES", str(calculix.RIGID_MODES + MODES), "*END STEP", ""]
     path.write_text("\n".join(lines))
@@ -99,8 +77,8 @@ def run(command, folder, log):
 def by_calculix(folder, name, sizes, conforming):
     (folder / f"{name}.geo").write_text(geometry(sizes, conforming))
     run([program("gmsh", "gmsh"), "-3", f"{name}.geo", "-format", "inp", "-o", f"{name}_mesh.inp"], folder, f"{name}_gmsh.log")
-    nodes, bodies = read_mesh(folder / f"{name}_mesh.inp")
-    write_deck(folder / f"{name}.inp", nodes, bodies, not conforming)
+    nodes, sets = tet_mesh.read_tets(folder / f"{name}_mesh.inp", "C3D10")
+    write_deck(folder / f"{name}.inp", nodes, dict(zip(BOXES, sets.values())), not conforming)
     run([program("ccx", "calculix-ccx"), name], folder, f"{name}_ccx.log")
     return 3 * len(nodes), calculix.read_frequencies(folder / f"{name}.dat")[calculix.RIGID_MODES:]
 

@@ -1,7 +1,7 @@
 """Finite elements beside ours: 20-node bricks of mapped blocks or 10-node tetrahedra of Gmsh, solved by CalculiX."""
 import numpy as np
 
-from igatools import calculix
+from igatools import calculix, tet_mesh
 from igatools.calculix import deck, read_fields
 from igatools.fe_mesh import BRICK_EDGES, CORNERS, Mesh, quad_rule, quad_shapes, triangle_rule, triangle_shapes  # noqa: F401
 from igatools.measured_run import RunError
@@ -27,20 +27,11 @@ def tetrahedra(run, geometry, size):
     script.write_text("\n".join(['SetFactory("OpenCASCADE");', geometry, 'Physical Volume("solid") = Volume{:};', "Mesh.ElementOrder = 2;",
                                  f"Mesh.MeshSizeMin = {size};", f"Mesh.MeshSizeMax = {size};", "Mesh.SaveGroupsOfNodes = 0;", ""]))
     run.program("gmsh", "-3", "-nt", "1", "-format", "inp", "-o", "mesh.inp", "mesh.geo", log="gmsh")
-    nodes, words, target = {}, [], None
-    for line in (run.folder / "mesh.inp").read_text().splitlines():
-        if line.startswith("*"):
-            key = line.upper()
-            target = nodes if key.startswith("*NODE") else words if "C3D10" in key else None
-        elif target is nodes:
-            number, *x = line.split(",")
-            nodes[int(number)] = [float(value) for value in x]
-        elif target is words:
-            words += [int(word) for word in line.split(",") if word.strip()]
-    if not words:
-        raise RunError(f"Gmsh made no tetrahedra; see {run.folder / 'gmsh.log'}")
-    used, elements = np.unique(np.array(words).reshape(-1, 11)[:, 1:], return_inverse=True)
-    return Mesh([nodes[number] for number in used], elements.reshape(-1, 10), "C3D10")
+    try:
+        nodes, sets = tet_mesh.read_tets(run.folder / "mesh.inp", "C3D10")
+    except tet_mesh.MeshError as error:
+        raise RunError(str(error)) from error
+    return Mesh(nodes, np.concatenate(list(sets.values())), "C3D10")
 
 
 def solve(run, mesh, lines):
