@@ -50,6 +50,34 @@ def turning_disc(run, spans):
             "u at the rim": probe(report, "rim")["displacement"][0]}
 
 
+BLADES = 0.15e-3  # t on the whole rim
+
+
+def bladed_disc_exact():
+    """The disc, and Lamé's ring under the pull of the masses on its rim."""
+    E, nu, a, b = DISC["E"], DISC["nu"], BORE, RIM
+    pull = BLADES * SPEED**2 * b / (2 * np.pi * b * 2 * HALF)
+    bare = turning_disc_exact()
+    return {"hoop stress at the bore": bare["hoop stress at the bore"] + 2 * pull * b**2 / (b**2 - a**2),
+            "u at the rim": bare["u at the rim"] + pull * b / E * ((b**2 + a**2) / (b**2 - a**2) - nu)}
+
+
+@case(id="bladed_disc", title="Disc with blades on its rim, turning",
+      geometry="The disc above with 0.15 kg spread along its rim", material="E = 210 GPa, ν = 0.3, ρ = 7850 kg/m³",
+      source="Timoshenko & Goodier, art. 28 and 32, plane stress", unit={"hoop stress at the bore": "MPa", "u at the rim": "mm"},
+      exact=bladed_disc_exact, grids=((11, 11, 4), (7, 7, 4), (3.5, 3.5, 4)),
+      tolerance={"hoop stress at the bore": 0.015, "u at the rim": 3e-4})
+def bladed_disc(run, spans):
+    disc = parts.wedge(BORE, RIM, HALF, QUARTER, FACETS)
+    run.surface("rim", parts.where(disc, lambda x: np.abs(np.hypot(x[:, 0], x[:, 1]) - RIM) < 1e-6))
+    run.model(disc, spans)
+    report = run.solve("static", {
+        "material": DISC, "support": symmetry("x", "y", "z"), "load": [{"name": "turning", "centrifugal": {"axis": [0, 0, 1], "speed": SPEED}}],
+        "added_mass": [{"name": "blades", "mass": BLADES / 8, "patch": "rim.stl"}],
+        "probe": [{"name": "bore", "position": [BORE, 0, 0]}, {"name": "rim", "position": [RIM, 0, 0]}]})
+    return {"hoop stress at the bore": probe(report, "bore")["stress"][1], "u at the rim": probe(report, "rim")["displacement"][0]}
+
+
 # ------------------------------------------------------------------------------------------------------------- heat
 
 HEATED = {"E": 210e3, "nu": 0.3, "expansion": 12e-6}

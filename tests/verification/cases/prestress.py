@@ -157,3 +157,71 @@ def turning_bar(run, span):
         "eigen": {"modes": 2, "prestress": True}})
     in_plane, out_of_plane = elastic(report)
     return {"out of the plane": out_of_plane, "in the plane": in_plane}
+
+
+# ------------------------------------------------------------------------------------------------ springs and added masses
+
+BEDDED = 480.0                                          # mm, between guided ends
+BED = E * WIDE * THICK**3 / 12 * (2.4 * np.pi / BEDDED)**4  # N/mm²: waves of a fifth of the length and shorter buckle first
+
+
+def bedded_column():
+    """Guided ends, n half waves cos(n π z / L): E I q² (with shear, Engesser) + k / q²."""
+    q = np.array([2, 3]) * np.pi / BEDDED
+    bending = E * WIDE * THICK**3 / 12 * q**2
+    return dict(zip(("two half waves", "three half waves"),
+                    bending / (1 + bending / (SHEAR * E / 2 * WIDE * THICK)) + BED / q**2))
+
+
+@case(id="column_on_foundation", title="Column on an elastic foundation", quick=True,
+      geometry="Bar 10 × 6 × 480 mm between rigid plates that slide sideways, on a bed of springs along both wide sides; the upper plate moves down",
+      material=STEEL, source="Engesser (1884), Hetényi (1946): P = E I q² + k / q², q = n π / L; shear: Engesser (1891)", unit="N", exact=bedded_column,
+      grids=(16.0, 11.0, 8.0), tolerance=2e-3, notes=STRAIN.replace("5e-4", "1.6e-3") + ". Waves adapt to the bed: 2 √(k E I) is the bound")
+def column_on_foundation(run, span):
+    run.model(parts.box((0, 0, 0), (WIDE / 2, THICK, BEDDED)), span)
+    sink = 0.01
+    bed = {"normal_stiffness": BED / (2 * WIDE)}
+    report = run.solve("buckling", {
+        "material": {"E": E, "nu": 0.0},
+        "support": [face("foot", [0, 0, 0], [0, 0, 1], "normal"), face("middle", [0, 0, 0], [1, 0, 0], "normal"),
+                    face("plate", [0, 0, BEDDED], [0, 0, 1], "normal", value=-sink)],
+        "spring": [on_plane([0, 0, 0], [0, 1, 0], name="left", **bed), on_plane([0, THICK, 0], [0, 1, 0], name="right", **bed)],
+        "buckling": {"factors": 2}})
+    return dict(zip(bedded_column(), np.array(report["factors"]) * E * WIDE * THICK * sink / BEDDED))
+
+
+MAST, HEAD = 240.0, 1e-3                                # mm, t
+
+
+def mast_frequencies():
+    """A mass on a beam without mass under its weight: lateral stiffness P / (tan κL / κ - L), κ² = P / E I; with shear to first order."""
+    bending = E * WIDE * THICK**3 / 12
+    euler = np.pi**2 * bending / (4 * MAST**2)
+    found = {}
+    for name, share in MAST_SHARES.items():
+        force = share * euler
+        kappa = np.sqrt(force / bending)
+        give = (np.tan(kappa * MAST) / kappa - MAST) / force + MAST / (SHEAR * E / 2 * WIDE * THICK)
+        found[name] = np.sqrt(1 / (give * HEAD)) / (2 * np.pi)
+    return found
+
+
+MAST_SHARES = {"0.3 of the buckling load": 0.3, "0.6 of it": 0.6, "0.9 of it": 0.9}
+
+
+@case(id="mast_under_weight", title="Mast under the weight of the mass on it", quick=True,
+      geometry="Bar 10 × 6 × 240 mm of hardly any mass (0.01 %), foot clamped, 1 kg on its head; weight of 0.3, 0.6 and 0.9 times π² E I / 4 L²", material=STEEL,
+      source="Timoshenko & Gere, Theory of Elastic Stability (1961): beam-column, k = P / (tan κL / κ - L), κ² = P / E I", unit="Hz",
+      exact=mast_frequencies, grids=(16.0, 11.0, 8.0), tolerance=3e-3, notes=STRAIN.replace("5e-4", "1e-4"))
+def mast_under_weight(run, span):
+    run.model(parts.box((0, 0, 0), (WIDE, THICK, MAST)), span)
+    found = {}
+    for name, share in MAST_SHARES.items():
+        weight = share * np.pi**2 * E * WIDE * THICK**3 / 12 / (4 * MAST**2)
+        report = run.solve("eigen", {
+            "material": {"E": E, "nu": 0.0, "rho": 1e-11},
+            "support": [face("foot", [0, 0, 0], [0, 0, 1])],
+            "added_mass": [on_plane([0, 0, MAST], [0, 0, 1], name="head", mass=HEAD)],
+            "load": [{"name": "weight", "acceleration": [0, 0, -weight / HEAD]}], "eigen": {"modes": 1, "prestress": True}})
+        found[name] = elastic(report)[0]
+    return found

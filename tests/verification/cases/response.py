@@ -5,7 +5,7 @@ Rods without Poisson's effect have closed forms for any damping that goes with t
 import numpy as np
 
 from book import case, fem, parts
-from igatools import iga_results
+from igatools import calculix, iga_results
 
 E, RHO = 210e3, 7.8e-9                                  # MPa, t/mm³; mm, s, Hz
 LENGTH, WIDTH = 100.0, 10.0
@@ -174,3 +174,100 @@ def beam_harmonic(run, span):
         "damping": {"rayleigh": [0, BETA]}, "harmonic": {"frequencies": list(POINTS.values())}}, results=True)
     table = iga_results.read(file).table("probe_tip")
     return {name: table["displacement_z"][np.argmin(abs(table["frequency"] - f))] for name, f in POINTS.items()}
+
+
+# ---------------------------------------------------------------------------------------------- deep beam, step of load
+
+DEEP, STEEL, STEP = (10.0, 1.0, 2.0), {"E": 200e9, "nu": 0.3, "rho": 8000.0}, 1e6  # m (half of the width), N/m of the whole beam
+RATIO, END = 0.02, 0.1
+DEEP_FORCE = STEP / (2 * DEEP[1] * DEEP[2])             # N/m³
+
+
+def deep_beam():
+    """Timoshenko's beam between hinges: sine waves, each with its two frequencies."""
+    area, inertia = 2 * DEEP[1] * DEEP[2], 2 * DEEP[1] * DEEP[2]**3 / 12
+    shear = 5 / 6 * STEEL["E"] / 2.6 * area
+    t = np.linspace(0, END, 20001)
+    middle = np.zeros_like(t)
+    for n in range(1, 40, 2):
+        k = n * np.pi / DEEP[0]
+        K = np.array([[shear * k * k, -shear * k], [-shear * k, STEEL["E"] * inertia * k * k + shear]])
+        M = STEEL["rho"] * np.array([area, inertia])
+        squares, shapes = np.linalg.eigh(K / np.sqrt(np.outer(M, M)))
+        shapes = shapes / np.sqrt(M)[:, None]
+        for square, w in zip(squares, shapes[0]):
+            omega = np.sqrt(square)
+            damped = omega * np.sqrt(1 - RATIO**2)
+            step = 1 - np.exp(-RATIO * omega * t) * (np.cos(damped * t) + RATIO * omega / damped * np.sin(damped * t))
+            middle += np.sin(n * np.pi / 2) * w * w * 4 * STEP / (n * np.pi) / square * step
+    return of_history(t, middle)
+
+
+def of_history(t, u):
+    peak = np.argmax(u)
+    return {"largest deflection": 1e3 * u[peak], "at the time": 1e3 * t[peak], "mean deflection": 1e3 * np.trapz(u, t) / END}
+
+
+def deep_beam_in_bricks(run):
+    mesh = fem.bricks(lambda x: x * DEEP, (10, 1, 2))
+    ends = mesh.at(lambda x: np.abs(x[:, 0] * (x[:, 0] - DEEP[0])) < 1e-9)
+    middle = mesh.at(lambda x: np.abs(x[:, 1]) < 1e-9)
+    # Along the axis one line at a place where it does not bend: CalculiX' modal steps take no rigid motion.
+    still = mesh.at(lambda x: (np.abs(x[:, 0] - DEEP[0] / 2) < 1e-9) & (np.abs(x[:, 2] - DEEP[2] / 2) < 1e-9))
+    held = [(ends, "z"), (middle, "y"), (np.setdiff1d(ends, middle), "y"), (still, "x")]
+    probe = mesh.nearest((DEEP[0] / 2, 0, DEEP[2] / 2))
+    fem.solve(run, mesh, [*fem.deck(mesh, STEEL, held), "*NSET, NSET=PROBE", f"{probe + 1},",
+                          "*STEP", "*FREQUENCY, SOLVER=SPOOLES, STORAGE=YES", "16", "*END STEP",
+                          "*STEP, INC=100000", "*MODAL DYNAMIC", f"1e-4, {END}", "*MODAL DAMPING", f"1, 16, {RATIO}",
+                          "*DLOAD", f"SOLID, GRAV, {DEEP_FORCE / STEEL['rho']:.12g}, 0., 0., 1.",
+                          "*NODE PRINT, NSET=PROBE, FREQUENCY=1", "U", "*END STEP"])
+    t, u = calculix.read_displacements(run.folder / "fem.dat", [probe])
+    return of_history(t, u[:, 0, 2])
+
+
+@case(id="deep_beam_step", title="Deep beam under a step of load", quick=True,
+      geometry="Beam 10 × 2 × 2 m, ends held in their plane, free along its axis; half of the width. 1 MN/m from time 0 on, ratio 0.02; middle of the span",
+      material="E = 200 GPa, ν = 0.3, ρ = 8000 kg/m³", source="Timoshenko's beam by its modes; NAFEMS, Selected Benchmarks for Forced Vibration "
+      "(1989), 5T, takes two modes: 1.043 mm after 11.7 ms", unit={"largest deflection": "mm", "at the time": "ms", "mean deflection": "mm"},
+      exact=deep_beam, grids=(1.3, 0.9, 0.6), tolerance=0.01, calculix=deep_beam_in_bricks, calculix_mesh="C3D20, 10 × 1 × 2, *MODAL DYNAMIC, 16 modes")
+def deep_beam_step(run, span):
+    run.model(parts.box((0, 0, 0), DEEP), span)
+    held = [{"name": name, "fixed": fixed, "plane": {"point": point, "normal": normal}} for name, fixed, point, normal in (
+        ("middle", "normal", [0, 0, 0], [0, 1, 0]), ("left", "yz", [0, 0, 0], [1, 0, 0]), ("right", "yz", [DEEP[0], 0, 0], [1, 0, 0]))]
+    _, file = run.solve("transient", {
+        "material": STEEL, "support": held, "load": [{"name": "step", "body_force": [0, 0, DEEP_FORCE], "history": 1}],
+        "probe": [{"name": "middle", "position": [DEEP[0] / 2, 0, DEEP[2] / 2]}], "eigen": {"modes": 12}, "damping": {"ratio": RATIO},
+        "transient": {"end": END, "step": 1e-4}}, results=True)
+    table = iga_results.read(file).table("probe_middle")
+    return of_history(table["time"], table["displacement_z"])
+
+
+# --------------------------------------------------------------------------------------------------------- machine on mounts
+
+MACHINE, MOUNT, MACHINE_RATIO = 120.0, 4e5, 0.05        # kg of block and motor, N/m in all, of critical damping
+BLOCK, BLOCK_STEEL = (0.4, 0.3, 0.05), {"E": 210e12, "nu": 0.3, "rho": 7850.0}
+NATURAL = np.sqrt(MOUNT / MACHINE) / (2 * np.pi)
+MACHINE_POINTS = {"below its frequency": 0.5, "near it": 0.95, "above it": 3.0}
+
+
+def machine():
+    return {name: abs(1 / (1 - r * r + 2j * MACHINE_RATIO * r)) * 1e3 * 100 / MOUNT for name, r in MACHINE_POINTS.items()}
+
+
+@case(id="machine_on_mounts", title="Machine on its mounts, a harmonic force", quick=True,
+      geometry="Stiff plate 0.4 × 0.3 × 0.05 m on a foundation of 400 kN/m in all, a motor joined to its upper side, 120 kg together; 100 N in the motor's "
+               f"direction, ratio {MACHINE_RATIO}", material="E = 210 TPa (rigid to 1e-7), ν = 0.3, ρ = 7850 kg/m³", source="single oscillator", unit="mm",
+      exact=machine, grids=(0.1, 0.07, 0.05), tolerance=1e-5)
+def machine_on_mounts(run, span):
+    run.model(parts.box((0, 0, 0), BLOCK), span)
+    area = BLOCK[0] * BLOCK[1]
+    _, file = run.solve("harmonic", {
+        "material": BLOCK_STEEL, "spring": [{"name": "mounts", "plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}, "normal_stiffness": MOUNT / area,
+                                             "tangential_stiffness": 0.5 * MOUNT / area}],
+        "added_mass": [{"name": "motor", "mass": MACHINE - BLOCK_STEEL["rho"] * np.prod(BLOCK), "inertia": [1.0, 1.0, 1.0],
+                        "at": [BLOCK[0] / 2, BLOCK[1] / 2, 0.25], "plane": {"point": [0, 0, BLOCK[2]], "normal": [0, 0, 1]}}],
+        "load": [{"name": "shaker", "force": [0, 0, 100.0], "plane": {"point": [0, 0, BLOCK[2]], "normal": [0, 0, 1]}}],
+        "probe": [{"name": "middle", "position": [BLOCK[0] / 2, BLOCK[1] / 2, BLOCK[2] / 2]}], "eigen": {"modes": 6},
+        "damping": {"ratio": MACHINE_RATIO}, "harmonic": {"frequencies": [r * NATURAL for r in MACHINE_POINTS.values()]}}, results=True)
+    table = iga_results.read(file).table("probe_middle")
+    return {name: 1e3 * table["displacement_z"][np.argmin(abs(table["frequency"] - r * NATURAL))] for name, r in MACHINE_POINTS.items()}
