@@ -63,6 +63,13 @@ def static(run, mesh, material, held, forces, extra=()):
     return displacement[-1], stress[-1]
 
 
+def total_forces(run):
+    """[(share of the step, (x, y, z))] that *NODE PRINT, TOTALS=ONLY printed."""
+    rows = (run.folder / "fem.dat").read_text().splitlines()
+    return [(float(line.split()[-1]), tuple(float(word) for word in rows[k + 2].split()))
+            for k, line in enumerate(rows) if line.strip().startswith("total force")]
+
+
 def pressed_cylinder(run, radius, height, divisions, material, way, increments, kind="CAX8R"):
     """A cylinder 0 … radius, 0 … height on its plane of symmetry, its upper end pressed down by `way` and held across, at large
     displacement, in axisymmetric elements. material: lines of the deck. Returns share of the way -> force of the whole section."""
@@ -84,13 +91,8 @@ def pressed_cylinder(run, radius, height, divisions, material, way, increments, 
     lines += ["*MATERIAL, NAME=M", *material, "*SOLID SECTION, ELSET=SOLID, MATERIAL=M", "*BOUNDARY", "AXIS, 1, 1", "LOW, 2, 2", "TOP, 1, 1",
               "*STEP, NLGEOM, INC=10000", "*STATIC, SOLVER=SPOOLES", f"{1 / increments:.12g}, 1., 1e-6, {1 / increments:.12g}", "*BOUNDARY",
               f"TOP, 2, 2, {-way:.12g}", "*NODE PRINT, NSET=TOP, TOTALS=ONLY", "RF", "*END STEP"]
-    (run.folder / "fem.inp").write_text("\n".join([*lines, ""]))
-    run.program("ccx", "fem", log="ccx")
-    run.unknowns = nodes.size
-    found, rows = [(0.0, 0.0)], (run.folder / "fem.dat").read_text().splitlines()
-    for k, line in enumerate(rows):
-        if line.strip().startswith("total force"):
-            found.append((float(line.split()[-1]), -180 * float(rows[k + 2].split()[1])))  # CalculiX prints those of a wedge of two degrees
+    solve(run, Mesh(nodes, elements, kind), lines)
+    found = [(0.0, 0.0), *((at, -180 * force[1]) for at, force in total_forces(run))]  # CalculiX prints those of a wedge of two degrees
     share, force = np.array(found).T
     if share[-1] < 1 - 1e-6:
         raise RunError(f"CalculiX ended at {share[-1]:.3g} of the way; see {run.folder / 'ccx.log'}")

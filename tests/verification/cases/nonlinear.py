@@ -177,11 +177,40 @@ def quarter_roll(facets):
                            [[middle, high[0], low[0]], [middle, above, high[0]], [middle, low[-1], high[-1]], [middle, high[-1], above]]])
 
 
+def hertz_by_calculix(run):
+    """Half the thickness of ours is of no matter: plane strain. The plate is one brick, a thousand times as stiff."""
+    fine = lambda q: 0.8 * q * q + 0.2 * q  # noqa: E731  towards the place of contact
+
+    def mapping(x):
+        a, b = fine(x[:, 0]), 1 - fine(1 - x[:, 2])
+        return np.column_stack([ROLL_RADIUS * a * np.sqrt(1 - b * b / 2), x[:, 1], ROLL_RADIUS * b * np.sqrt(1 - a * a / 2)])
+    mesh = fem.bricks(mapping, (10, 1, 10), "C3D20R")
+    x, count, small = mesh.nodes, len(mesh.nodes), 1e-6
+    held = [(np.flatnonzero(x[:, 0] < small), "x"), (np.flatnonzero(x[:, 2] < small), "z"), (np.arange(count), "y")]
+    rim = (np.hypot(x[:, 0], x[:, 2]) > ROLL_RADIUS - small) & (x[:, 0] < 0.4 * ROLL_RADIUS)
+    plate = [(a, b, ROLL_RADIUS + c) for c in (0, 2) for a, b in ((-1, -1), (9, -1), (9, 2), (-1, 2))]
+    number = len(mesh.elements) + 1
+    corners = {1: (0, 1, 2, 3), 2: (4, 7, 6, 5), 3: (0, 4, 5, 1), 4: (1, 5, 6, 2), 5: (2, 6, 7, 3), 6: (3, 7, 4, 0)}
+    fem.solve(run, mesh, [
+        *fem.deck(mesh, {"E": ROLL_E, "nu": ROLL_NU}, held),
+        "*NODE, NSET=PLATE", *(f"{count + k + 1}, {a:g}, {b:g}, {c:g}" for k, (a, b, c) in enumerate(plate)),
+        "*ELEMENT, TYPE=C3D8, ELSET=STIFF", ", ".join(map(str, [number, *range(count + 1, count + 9)])),
+        "*MATERIAL, NAME=P", "*ELASTIC", f"{1000 * ROLL_E:g}, 0.", "*SOLID SECTION, ELSET=STIFF, MATERIAL=P",
+        "*SURFACE, NAME=RIM, TYPE=ELEMENT",
+        *(f"{k + 1}, S{face}" for k, row in enumerate(mesh.elements) for face, at in corners.items() if rim[row[list(at)]].all()),
+        "*SURFACE, NAME=FLAT, TYPE=ELEMENT", f"{number}, S1", "*SURFACE INTERACTION, NAME=I",
+        "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR", f"{500 * ROLL_E:g}", "*CONTACT PAIR, INTERACTION=I, TYPE=SURFACE TO SURFACE", "RIM, FLAT",
+        "*BOUNDARY", "PLATE, 1, 2", "*STEP, INC=1000", "*STATIC, SOLVER=SPOOLES", "0.25, 1., 1e-4, 0.25", "*BOUNDARY",
+        f"PLATE, 3, 3, {-APPROACH:g}", "*NODE PRINT, NSET=PLATE, TOTALS=ONLY", "RF", "*END STEP"])
+    return -2 * fem.total_forces(run)[-1][1][2]
+
+
 @case(id="hertz_cylinder", title="Elastic cylinder pressed by a rigid plate",
       geometry="Quarter of a cylinder, radius 10 mm, plane strain, between planes of symmetry; a plane without friction comes down by 0.2 mm",
       material="E = 200 MPa, ν = 0.3, linear elastic",
       source="Hertz; approach of a plate and the axis after Johnson, Contact Mechanics (1985), 5.6: P / (π E*) (2 ln(4 R / b) − 1), b = 1.14 mm",
       unit="N/mm", exact=roll_force, grids=(1.0, 0.7, 0.5), tolerance=0.01,
+      calculix=hertz_by_calculix, calculix_mesh="C3D20R, 10 × 10, finer towards the contact",
       notes="At the coarse grid the half-width of contact is one span. Exact for b ≪ R; here b/R = 0.11.")
 def hertz_cylinder(run, span):
     run.model(quarter_roll(100), (span, 1, span))
