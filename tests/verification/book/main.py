@@ -128,6 +128,9 @@ def main(words, description):
                 for one in of_topic:
                     print(f"    {one.id:<28} {'quick  ' if one.quick else '       '}{one.title}")
             return 0
+        if not cases:
+            print(f"verify: none of the cases of {', '.join(arguments.names)} is a quick one; leave --quick out", file=sys.stderr)
+            return SKIPPED
         if arguments.write and (arguments.quick or arguments.calculix == "only"):
             raise BookError("--write wants all cases of a topic with their own runs; leave --quick and --calculix only out")
     except BookError as error:
