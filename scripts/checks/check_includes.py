@@ -18,7 +18,7 @@ LAYERS = {  # folder: what its files may include from this repository
 ORDER = {
     "preprocessor": ["base", "cad", "surface", "trim", "connectivity", "interior", "fit", "reduce", "quadrature", "walls",
                      "program", "cad/occt"],
-    "solver": ["base", "space", "linalg", "mechanics", "estimate", "output", "supports", "ties", "stress", "analysis",
+    "solver": ["base", "space", "linalg", "mechanics", "multigrid", "estimate", "output", "supports", "ties", "stress", "analysis",
                "response", "report", "explicit/simd",
                "explicit/laws", "explicit/kernel", "explicit/motion", "explicit/contact", "explicit/loads",
                "explicit/run", "nonlinear", "program"],

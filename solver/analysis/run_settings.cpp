@@ -216,7 +216,7 @@ std::vector<io::TableKeys> run_keys() {
   std::vector<io::TableKeys> keys{
       {"",
        {"model", "output", "units", "unit_system", "material", "materials", "mass", "light_functions",
-        "light_threshold", "inertia_relief"}},
+        "light_threshold", "inertia_relief", "solver"}},
       {"material", {"name", "E", "nu", "rho", "C", "yield", "expansion", "conductivity"}},
       {"bodies", {"light_functions", "light_threshold"}},
       {"bodies.material", {"law", "name", "E", "nu", "rho", "C", "yield", "expansion", "conductivity"}},
@@ -318,6 +318,8 @@ TypedRun read_run_file(const std::filesystem::path& file) {
   t.mass = root.text("mass");
   t.light_functions = root.text("light_functions");
   t.light_threshold = root.number("light_threshold");
+  t.solver = root.text("solver");
+  if (t.solver) solver_kind(*t.solver);
   t.unit_system = root.text("unit_system");
   t.materials = root.path("materials");
   if (root.holds_text("material")) {
@@ -369,6 +371,7 @@ TypedRun override_run(TypedRun t, const TypedRun& flags) {
   take(t.mass, flags.mass);
   take(t.light_functions, flags.light_functions);
   take(t.light_threshold, flags.light_threshold);
+  take(t.solver, flags.solver);
   take(t.unit_system, flags.unit_system);
   take(t.materials, flags.materials);
   TypedMaterial& material = t.material;
@@ -442,6 +445,9 @@ RunSettings validate_run(const TypedRun& typed, Analysis analysis) {
   if (analysis == Analysis::Static) refuse_variations(typed);
   if (is_response(analysis)) run.response = response_of(typed);
   run.lines = typed.lines;
+  if (typed.solver) run.solver = solver_kind(*typed.solver);
+  if (run.solver == SolverKind::Multigrid && analysis != Analysis::Static && analysis != Analysis::Eigen)
+    throw InputError("solver = \"multigrid\": only static and eigen have it; use \"auto\" or \"direct\"");
   run.raw_stress = typed.stress == "raw";
   if (typed.modes) run.eigen.modes = whole("modes", *typed.modes, 1, 1'000'000);
   if (typed.modes_below && !(*typed.modes_below > 0))

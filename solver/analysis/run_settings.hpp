@@ -5,6 +5,7 @@
 #include "solver/analysis/eigen_settings.hpp"
 #include "solver/analysis/heat_settings.hpp"
 #include "solver/analysis/response_settings.hpp"
+#include "solver/analysis/solver_choice.hpp"
 #include "solver/mechanics/mass_type.hpp"
 #include "solver/mechanics/material.hpp"
 #include "solver/mechanics/material_table.hpp"
@@ -70,16 +71,17 @@ struct TypedRun {
   std::optional<double> modes_below; ///< cycles per time
   std::optional<bool> largest, sturm, errors, prestress, viewer;
   TypedBuckling buckling;
-  std::vector<TypedBody> bodies;       ///< run files only
-  std::vector<Tie> ties;               ///< run files only
-  std::vector<Support> supports;       ///< run files only
-  std::vector<Spring> springs;         ///< run files only
-  std::vector<AddedMass> masses;       ///< run files only
-  StaticSettings statics;              ///< run files only
-  std::vector<HeatBoundary> heat = {}; ///< run files only
-  ResponseSettings response = {};      ///< run files only
-  std::vector<StressLine> lines = {};  ///< run files only
-  std::optional<std::string> stress;   ///< recovered | raw
+  std::vector<TypedBody> bodies;          ///< run files only
+  std::vector<Tie> ties;                  ///< run files only
+  std::vector<Support> supports;          ///< run files only
+  std::vector<Spring> springs;            ///< run files only
+  std::vector<AddedMass> masses;          ///< run files only
+  StaticSettings statics;                 ///< run files only
+  std::vector<HeatBoundary> heat = {};    ///< run files only
+  ResponseSettings response = {};         ///< run files only
+  std::vector<StressLine> lines = {};     ///< run files only
+  std::optional<std::string> stress;      ///< recovered | raw
+  std::optional<std::string> solver = {}; ///< auto | direct | multigrid
 };
 
 /// One body of a run.
@@ -113,10 +115,11 @@ struct RunSettings {
   std::vector<HeatBoundary> heat = {};
   ResponseSettings response = {};
   std::vector<StressLine> lines;
-  bool raw_stress = false;          ///< stress as the displacements have it, where it is not recovered
-  int subdivide = 2;                ///< surface output: longest edge at most span / subdivide
-  bool viewer = true;               ///< files for ParaView beside the results file
-  io::Progress* progress = nullptr; ///< where stages show themselves; null: nowhere
+  SolverKind solver = SolverKind::Auto; ///< of static and eigen
+  bool raw_stress = false;              ///< stress as the displacements have it, where it is not recovered
+  int subdivide = 2;                    ///< surface output: longest edge at most span / subdivide
+  bool viewer = true;                   ///< files for ParaView beside the results file
+  io::Progress* progress = nullptr;     ///< where stages show themselves; null: nowhere
 };
 
 /// Treatment of light functions where the user asks for none: measured in README.md.

@@ -5,6 +5,7 @@
 #include "solver/analysis/bound_system.hpp"
 #include "solver/analysis/field_errors.hpp"
 #include "solver/analysis/inertia_relief.hpp"
+#include "solver/analysis/static_solver.hpp"
 #include "solver/analysis/system_loads.hpp"
 #include "solver/base/dense_algebra.hpp"
 #include "solver/base/stopwatch.hpp"
@@ -40,19 +41,6 @@ void need_no_free_motion(const BodySystem& system, const BoundSystem& bound) {
                                                        : "supports and springs do not hold the part",
                                fmt::join(free, "\n  "),
                                system.size() > 1 ? ", or tie the body to another one ([[ties]])" : ""));
-}
-
-std::unique_ptr<LinearSolver> factorise(const BoundSystem& bound, const InertiaRelief* relief, io::Progress* progress) {
-  SystemMatrix system;
-  system.announce = show_factorisation(progress);
-  system.stiffness = &bound.K;
-  if (relief) {
-    system.mass = &relief->mass();
-    system.shift = -relief->sigma();
-  }
-  if (bound.constraints.rows() == 0 && holds_without_low_rank(system)) return factorise_positive_definite(system);
-  system.constraints = &bound.constraints;
-  return factorise_indefinite(system);
 }
 
 BodyForce sum_of(BodyForce a, BodyForce b) {
@@ -590,7 +578,8 @@ std::vector<StaticSolution> run_static_cases(const RunSettings& run, const Stati
     need_no_free_motion(system, bound);
   watch.stage("supports");
   show_stage(run.progress, "analysis of the matrix");
-  const auto solver = factorise(bound, relief ? &*relief : nullptr, run.progress);
+  SolverReport taken;
+  const auto solver = static_solver(run, system, bound, relief ? &*relief : nullptr, !rigid.empty(), taken);
   watch.stage("factorisation");
   show_stage(run.progress, "solution");
   rigid.prepare(*solver);
@@ -619,6 +608,7 @@ std::vector<StaticSolution> run_static_cases(const RunSettings& run, const Stati
   for (std::size_t c = 0; c < cases.size(); ++c) {
     StaticSolution& solution = solutions[c];
     solution.cost = solver->cost();
+    solution.solver = taken;
     solution.regions = bound.regions;
     solution.ties = bound.tie_reports;
     solution.num_constraints = bound.constraints.rows();

@@ -4,6 +4,7 @@
 #include "format/model/results.hpp"
 #include "solver/analysis/bound_system.hpp"
 #include "solver/analysis/run_settings.hpp"
+#include "solver/analysis/solver_choice.hpp"
 #include "solver/supports/boundary.hpp"
 #include "solver/supports/read_supports.hpp"
 #include "solver/supports/rigid_regions.hpp"
@@ -87,7 +88,8 @@ struct StaticSolution {
   double residual = 0;                      ///< ‖f - K u - Cᵀ λ‖ / ‖f‖ after one step of refinement
   Point3 force_balance{}, moment_balance{}; ///< Σ loads + Σ reactions + Σ forces of springs
   std::vector<std::string> warnings;        ///< of supports and loads on lines and at points
-  FactorCost cost;
+  FactorCost cost;                          ///< of the factor, or the bytes of multigrid's levels
+  SolverReport solver;
   std::int64_t num_constraints = 0;
   std::vector<std::pair<std::string, double>> timings; ///< stage, seconds
 };

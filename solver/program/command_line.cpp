@@ -35,7 +35,7 @@ memory is exit code 2 and says so.)";
 const char* const analysis_footer =
     R"(Any consistent set of units: E in force/length², rho in mass/length³, frequencies in cycles per time. The run file
 (.toml) holds the flags' names with underscores: model, output, units, unit_system, material, materials, mass,
-light_functions, light_threshold; [material] name, E, nu, rho or C, yield, expansion, conductivity; [eigen] modes or
+light_functions, light_threshold, solver; [material] name, E, nu, rho or C, yield, expansion, conductivity; [eigen] modes or
 modes_below, largest, sturm, errors, prestress; [buckling] factors, negative, constant, sturm; [results] subdivide, viewer,
 stress = "recovered" or "raw"; [[support]], [[load]], [[probe]]; [[line]] name, body, from, to: linearised stress through a wall. Loads of the whole part: body_force,
 acceleration, centrifugal = { axis, point, speed or rpm, angular_acceleration }. [[case]] name, loads, prescribed; [temperature]
@@ -176,6 +176,12 @@ void add_mass(CLI::App& sub, TypedRun& t, const char* standard) {
       ->group("Method");
 }
 
+void add_solver(CLI::App& sub, TypedRun& t) {
+  sub.add_option("--solver", t.solver, "auto, direct or multigrid [auto: by the size of the model]")
+      ->type_name("SOLVER")
+      ->group("Method");
+}
+
 void add_results(CLI::App& sub, TypedRun& t) {
   const std::string results = "Results";
   sub.add_option("--subdivide", t.subdivide, "Surface of the results: edges at most span / N [2]")
@@ -278,6 +284,7 @@ std::optional<Command> parse_command_line(int argc, const char* const* argv) {
                    "Instead: all elastic modes below this frequency, cycles per time")
       ->type_name("F")
       ->group("Method");
+  add_solver(*eigen, analysis.typed);
   io::add_switch(*eigen, "--largest", analysis.typed.largest, "The largest eigenfrequency alone")->group("Method");
   io::add_switch(*eigen, "--sturm,!--no-sturm", analysis.typed.sturm,
                  "Prove by a Sturm count that no mode is missing [below 100 000 unknowns]")
@@ -292,6 +299,7 @@ std::optional<Command> parse_command_line(int argc, const char* const* argv) {
   CLI::App* timestep = add_analysis(app, "timestep", "Largest stable time step of explicit dynamics", raw, analysis);
   add_mass(*timestep, analysis.typed, "lumped");
   CLI::App* statics = add_analysis(app, "static", "Displacements and stresses under loads and supports", raw, analysis);
+  add_solver(*statics, analysis.typed);
   add_results(*statics, analysis.typed);
   CLI::App* heat =
       add_analysis(app, "heat", "Steady temperatures: conduction, fluxes, convection, sources", raw, analysis);

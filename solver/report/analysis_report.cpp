@@ -108,6 +108,15 @@ void add_ties(TextReport& report, const std::vector<TieReport>& ties) {
                 t.name, t.bodies[0], t.bodies[1], t.area, t.chosen[0], t.chosen[1], t.largest_gap, t.tolerance);
 }
 
+io::JsonObject json_of(const SolverReport& solver) {
+  return io::JsonObject()
+      .add("kind", solver.multigrid ? "multigrid" : "direct")
+      .add("reason", solver.reason)
+      .add("factor_bytes_estimate", solver.factor_estimate)
+      .add("level_nodes", solver.level_nodes)
+      .add("steps", solver.steps);
+}
+
 std::vector<io::JsonObject> json_of(const std::vector<TieReport>& ties) {
   std::vector<io::JsonObject> list;
   for (const TieReport& t : ties) {

@@ -64,6 +64,8 @@ std::vector<io::JsonObject> json_of(const std::vector<RegionReport>& regions);
 /// Ties: area tied and largest gap. Nothing where there is none.
 void add_ties(TextReport& report, const std::vector<TieReport>& ties);
 std::vector<io::JsonObject> json_of(const std::vector<TieReport>& ties);
+/// Which solver was taken and why.
+io::JsonObject json_of(const SolverReport& solver);
 /// Springs and added masses: where they act, what they are. Nothing where there is none.
 void add_attached(TextReport& report, const AttachedParts& attached);
 void add_attached(io::JsonObject& report, const AttachedParts& attached);

@@ -122,7 +122,9 @@ std::string static_text(const StaticSolution& s, const BodySystem& system) {
   std::string out;
   const double unit = force_unit(s);
   const auto line = [&](const std::string& words) { out += words + "\n"; };
-  line(fmt::format("system: {} constraints, factor {:.3g} MiB", s.num_constraints, s.cost.bytes / (1024.0 * 1024.0)));
+  line(fmt::format("system: {} constraints, {} {:.3g} MiB", s.num_constraints, s.solver.multigrid ? "levels" : "factor",
+                   s.cost.bytes / (1024.0 * 1024.0)));
+  line("solver: " + text_of(s.solver));
   const auto note = [&](const RegionReport& region) {
     if (!region.note.empty()) line("  " + region.note);
   };
@@ -298,7 +300,7 @@ JsonObject static_json(const StaticSolution& s, const BodySystem& system) {
           singular_place_near(s, system.name_among_several(s.largest_von_mises.body), s.largest_von_mises.at))
     report.add("no_limit_beside", *place);
   if (!s.ties.empty()) report.add("ties", json_of_ties(s));
-  report.add("factor_bytes", s.cost.bytes).add("timings", timings);
+  report.add("solver", json_of(s.solver)).add("factor_bytes", s.cost.bytes).add("timings", timings);
   return report;
 }
 

@@ -33,6 +33,7 @@ class RigidRegions {
 
   /// Adds -U Uᵀ to K as a part of low rank: then K is whole, and nothing is to be corrected.
   void complete(StiffnessMatrix& K) const;
+  bool empty() const { return regions_.empty(); }
   /// @param solver  made with K + β M (and constraints)
   void prepare(const LinearSolver& solver);
   /// The corrected solution. @param b  unknowns, then constraints
