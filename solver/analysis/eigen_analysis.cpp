@@ -4,6 +4,8 @@
 #include "solver/analysis/advice.hpp"
 #include "solver/analysis/buckling_analysis.hpp"
 #include "solver/analysis/field_errors.hpp"
+#include "solver/analysis/multigrid_modes.hpp"
+#include "solver/analysis/static_solver.hpp"
 #include "solver/base/stopwatch.hpp"
 #include "solver/linalg/stage_progress.hpp"
 #include "solver/mechanics/geometric_stiffness.hpp"
@@ -79,8 +81,51 @@ ModeSet preloaded_modes(const EigenProblem& problem, const EigenSettings& settin
   throw NumericalError("a mode has a negative omega² although the loads stay below the buckling load: rounding");
 }
 
+// More modes than this take too many vectors at a time.
+constexpr int most_multigrid_modes = 60;
+
+std::string obstacle_of(const RunSettings& run, const EigenSettings& settings, const EigenProblem& problem) {
+  if (problem.constraints)
+    return "supports by Lagrange multipliers make the system indefinite, which the multigrid solver cannot treat";
+  if (settings.prestress) return "the multigrid solver knows no modes of loaded parts (prestress)";
+  if (settings.modes_below) return "the multigrid solver finds a number of modes, not all below a frequency";
+  if (settings.modes > most_multigrid_modes)
+    return fmt::format("the multigrid solver finds {} modes at most", most_multigrid_modes);
+  if (settings.sturm.value_or(false)) return "a Sturm count needs the direct solver's factor";
+  if (run.mass == MassType::TwoPass || run.mass == MassType::ThreePass)
+    return "the multigrid solver knows consistent and lumped masses alone";
+  return "";
+}
+
+// By the solver that was asked for; where nobody named one and multigrid fails, by the direct one.
+ModeSet modes_by_choice(const RunSettings& run, const EigenSettings& settings, const EigenProblem& problem,
+                        const BoundSystem& bound, EigenOutcome& outcome) {
+  const bool by_itself = run.solver == SolverKind::Auto;
+  std::string obstacle = obstacle_of(run, settings, problem);
+  if (obstacle.empty() && by_itself) obstacle = doubt_about(outcome.system);
+  outcome.solver = choose_solver(run.solver, problem.stiffness->pattern(), obstacle);
+  if (!outcome.solver.multigrid) return lowest_modes(problem, settings);
+  const auto give_up = [&](const std::exception& error) {
+    outcome.solver.multigrid = false;
+    outcome.solver.reason = fmt::format("multigrid was tried: {}", error.what());
+  };
+  try {
+    return multigrid_modes(problem, settings, outcome.system, held_cells(bound), outcome.solver);
+  } catch (const InputError& error) {
+    if (!by_itself) throw;
+    give_up(error);
+  } catch (const NumericalError& error) {
+    if (!by_itself) throw;
+    give_up(error);
+  }
+  return lowest_modes(problem, settings);
+}
+
 EigenOutcome find_modes(const RunSettings& run, const EigenSettings& settings, std::span<const TrimmedModel> models) {
   if (settings.largest) refuse_multipliers(run);
+  if (settings.prestress && run.solver == SolverKind::Multigrid)
+    throw InputError(
+        "solver = \"multigrid\": it knows no modes of loaded parts (prestress); use \"direct\" or \"auto\"");
   if (settings.largest && settings.prestress)
     throw InputError("prestress: the largest eigenfrequency is asked for, which loads hardly change; leave prestress "
                      "or largest out");
@@ -110,8 +155,8 @@ EigenOutcome find_modes(const RunSettings& run, const EigenSettings& settings, s
     problem.constraints = outcome.constraints > 0 ? &system.bound.constraints : nullptr;
     problem.motions = outcome.preload ? Eigen::MatrixXd(K.size(), 0) : rigid_motions(outcome.system, bodies);
     problem.lambda_scale = lambda_scale(outcome.system);
-    outcome.modes =
-        outcome.preload ? preloaded_modes(problem, settings, *outcome.preload, K) : lowest_modes(problem, settings);
+    outcome.modes = outcome.preload ? preloaded_modes(problem, settings, *outcome.preload, K)
+                                    : modes_by_choice(run, settings, problem, system.bound, outcome);
     if (outcome.preload) outcome.preload->stiffness = {};
     outcome.timings.insert(outcome.timings.end(), outcome.modes.timings.begin(), outcome.modes.timings.end());
     outcome.warnings.insert(outcome.warnings.end(), outcome.modes.warnings.begin(), outcome.modes.warnings.end());

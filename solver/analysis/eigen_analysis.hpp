@@ -5,6 +5,7 @@
 #include "solver/analysis/participation.hpp"
 #include "solver/analysis/preload.hpp"
 #include "solver/analysis/prepared_system.hpp"
+#include "solver/analysis/solver_choice.hpp"
 #include "solver/mechanics/element_bound.hpp"
 
 namespace iga::solve {
@@ -21,6 +22,7 @@ struct EigenOutcome : SystemOutcome {
   std::optional<Preload> preload;      ///< with prestress: the state that the modes vibrate about
   std::int64_t bodies = 0;             ///< mechanically separate ones
   std::int64_t constraints = 0;
+  SolverReport solver; ///< of the modes
 };
 
 /// @param models  placed, one for each body of the run

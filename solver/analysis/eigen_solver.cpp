@@ -2,6 +2,7 @@
 
 #include "format/model/errors.hpp"
 #include "solver/analysis/dense_eigen.hpp"
+#include "solver/analysis/mode_sign.hpp"
 #include "solver/analysis/shift_invert.hpp"
 #include "solver/base/dense_algebra.hpp"
 #include "solver/base/stopwatch.hpp"
@@ -491,16 +492,6 @@ class Search {
       throw NumericalError(fmt::format("the residual of an eigenpair is {:.2g}, at most {:g} is allowed: functions on "
                                        "slivers cause spurious low modes, or are dependent to rounding",
                                        worst, residual_limit));
-  }
-
-  static void orient(Eigen::Ref<VectorXd> x) {
-    Index largest = 0;
-    x.cwiseAbs().maxCoeff(&largest);
-    // Among components that are equal to rounding the first one decides.
-    const double top = std::abs(x[largest]) * (1 - 1e-6);
-    for (Index i = 0; i < largest; ++i)
-      if (std::abs(x[i]) >= top) largest = i;
-    if (x[largest] < 0) x = -x;
   }
 
   const EigenProblem& problem_;

@@ -83,7 +83,8 @@ std::string obstacle_of(const BoundSystem& bound, const InertiaRelief* relief, b
   return "";
 }
 
-// Multigrid by name tries it all the same.
+} // namespace
+
 std::string doubt_about(const BodySystem& system) {
   for (const SystemBody& body : system) {
     const auto p = body.space->model().grid.degree();
@@ -92,8 +93,6 @@ std::string doubt_about(const BodySystem& system) {
   }
   return "";
 }
-
-} // namespace
 
 std::vector<std::vector<std::int64_t>> held_cells(const BoundSystem& bound) {
   std::vector<std::vector<std::int64_t>> held(bound.of_body.size());

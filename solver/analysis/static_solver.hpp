@@ -8,6 +8,9 @@
 
 namespace iga::solve {
 
+/// Why `auto` leaves multigrid to those who ask for it by name; empty: it does not.
+std::string doubt_about(const BodySystem& system);
+
 /// Cells under supports, springs to the ground and ties, by body: multigrid solves for each of them as a whole.
 std::vector<std::vector<std::int64_t>> held_cells(const BoundSystem& bound);
 

@@ -146,11 +146,15 @@ std::string modes_text(const AnalysisRun& run, const EigenOutcome& outcome) {
               outcome.bodies == 1 ? "body" : "separate bodies");
   report.line("modes", "{} rigid, {} elastic{}", modes.rigid, modes.elastic,
               modes.mechanisms ? fmt::format(", {} mechanisms (no stiffness, no rigid motion)", modes.mechanisms) : "");
+  if (!outcome.preload) report.line("solver", "{}", solve::text_of(outcome.solver));
   if (modes.sturm)
     report.line("complete", "{} modes of this model lie below {:.6g} by a Sturm count, {} were found",
                 modes.sturm->expected, std::sqrt(std::max(modes.sturm->shift, 0.0)) / two_pi, modes.sturm->found);
   else if (modes.searched_again)
     report.line("complete", "a second search found no other mode of this model (no proof; --sturm gives one)");
+  else if (outcome.solver.multigrid)
+    report.line("complete",
+                "no count was made, residuals are shown; --solver direct --sturm proves that no mode is missing");
   report.row("");
   const bool errors = outcome.lambda_error.has_value();
   report.row("{:>6}  {:>16}  {:<9}  {:>8}{}", "mode", "frequency", "kind", "residual",
@@ -203,7 +207,7 @@ std::string modes_json(const AnalysisRun& run, const EigenOutcome& outcome) {
   }
   report.add("participation", json_of(outcome.participation));
   factor.add("nonzeros", modes.factor.nonzeros).add("flops", modes.factor.flops).add("bytes", modes.factor.bytes);
-  report.add("factor", factor).add("solves", modes.solves);
+  report.add("factor", factor).add("solves", modes.solves).add("solver", json_of(outcome.solver));
   add_end(report, run);
   return report.text();
 }

@@ -3,6 +3,8 @@
 
 #include "format/model/bspline_basis.hpp"
 #include "format/model/errors.hpp"
+#include "solver/analysis/eigen_analysis.hpp"
+#include "solver/analysis/multigrid_modes.hpp"
 #include "solver/base/dense_algebra.hpp"
 #include "solver/mechanics/assemble.hpp"
 #include "solver/mechanics/rigid_modes.hpp"
@@ -306,6 +308,47 @@ TEST(MultigridStatics, SayWhatTheyCannotTreat) {
   EXPECT_FALSE(small.solver.multigrid);
   EXPECT_EQ(small.solver.reason, "fewer than 100000 unknowns");
   EXPECT_THROW(solver_kind("amg"), InputError);
+}
+
+// Symmetric parts have multiplets: none of their modes is lost.
+TEST(MultigridModes, AreTheDirectSolvers) {
+  for (const Part part : {Part::Block, Part::TwoBlocks}) {
+    const TrimmedModel model = model_of(part, 2, 4);
+    for (const MassType mass : {MassType::Consistent, MassType::Lumped}) {
+      RunSettings run = run_with({});
+      run.mass = mass;
+      run.light = default_light_treatment(mass);
+      run.solver = SolverKind::Direct;
+      EigenSettings settings;
+      settings.modes = 8;
+      const EigenOutcome direct = analyse_modes(run, settings, model);
+      run.solver = SolverKind::Multigrid;
+      const EigenOutcome iterative = analyse_modes(run, settings, model);
+      EXPECT_TRUE(iterative.solver.multigrid);
+      EXPECT_FALSE(iterative.modes.sturm);
+      ASSERT_EQ(iterative.modes.rigid, direct.modes.rigid);
+      const Eigen::Index rigid = direct.modes.rigid;
+      for (Eigen::Index k = rigid; k < rigid + 8; ++k) {
+        EXPECT_NEAR(iterative.modes.lambda[k], direct.modes.lambda[k], 1e-9 * direct.modes.lambda[k]);
+        EXPECT_LT(iterative.modes.residual[k], multigrid_residual * 1.01);
+      }
+    }
+  }
+}
+
+TEST(MultigridModes, OfAHeldPart) {
+  const TrimmedModel model = model_of(Part::Slit, 2, 5);
+  EigenSettings settings;
+  settings.modes = 4;
+  RunSettings run = bent(SupportMethod::Nitsche, SolverKind::Direct);
+  run.light = usual();
+  const EigenOutcome direct = analyse_modes(run, settings, model);
+  run.solver = SolverKind::Multigrid;
+  const EigenOutcome iterative = analyse_modes(run, settings, model);
+  EXPECT_EQ(iterative.modes.rigid, 0);
+  EXPECT_LT((iterative.modes.lambda - direct.modes.lambda).cwiseAbs().maxCoeff(), 1e-9 * direct.modes.lambda[0]);
+  settings.modes_below = 100;
+  EXPECT_THROW(analyse_modes(run, settings, model), InputError);
 }
 
 } // namespace
