@@ -244,6 +244,7 @@ void ContactModel::keep_within_budget(std::span<const BodyState> bodies, const S
     }
   });
   for (const double scale : least) report_.least_scale = std::min(report_.least_scale, scale);
+  if (is_last_) return;
   // What the springs take of each node's room: Σ k |a_i| load / load_i, at most all of it.
   sum_at_vertices();
   for (std::size_t s = 0; s < surfaces_.size(); ++s) {

@@ -77,7 +77,7 @@ PenaltyEnergy ContactModel::add_forces(const StepTimes& times, std::span<const B
   look_where_stale(bodies);
   lap(Phase::Search);
   move(bodies);
-  find(bodies, times);
+  find(times);
   lap(Phase::Touches);
   if (reference_dt_ == 0 || times.dt > 1.05 * reference_dt_) share_budget(bodies, times);
   set_springs();
@@ -160,25 +160,30 @@ void ContactModel::move(std::span<const BodyState> bodies) {
   }
 }
 
-const ContactModel::Memory* ContactModel::remembered(std::uint64_t key) const {
-  const auto found =
-      std::lower_bound(memory_.begin(), memory_.end(), key, [](const Memory& m, std::uint64_t k) { return m.key < k; });
-  return found != memory_.end() && found->key == key ? &*found : nullptr;
+// Place of the first memory with this key or a later one.
+std::ptrdiff_t ContactModel::first_from(std::uint64_t key) const {
+  return std::lower_bound(memory_.begin(), memory_.end(), key,
+                          [](const Memory& m, std::uint64_t k) { return m.key < k; }) -
+         memory_.begin();
 }
 
-Point3 ContactModel::relative_velocity(const Touch& touch, std::span<const BodyState> bodies,
-                                       const StepTimes& times) const {
+const ContactModel::Memory* ContactModel::remembered(std::uint64_t key) const {
+  const std::size_t place = at(first_from(key));
+  return place < memory_.size() && memory_[place].key == key ? &memory_[place] : nullptr;
+}
+
+Point3 ContactModel::relative_velocity(const Touch& touch, const StepTimes& times) const {
   Point3 v{};
   for (int i = 0; i < touch.count; ++i) {
     const Touch::Entry& e = touch.entries[at(i)];
-    v = plus(v, iga::times(surfaces_[e.surface].velocity(e.vertex, bodies[surfaces_[e.surface].owner()]), e.weight));
+    v = plus(v, iga::times(surfaces_[e.surface].v(e.vertex), e.weight));
   }
   if (touch.rigid >= 0)
     v = plus(v, iga::times(rigid_[at(touch.rigid)].velocity_at(touch.point, times), touch.rigid_sign));
   return v;
 }
 
-void ContactModel::find(std::span<const BodyState> bodies, const StepTimes& times) {
+void ContactModel::find(const StepTimes& times) {
   std::size_t num_pieces = 0;
   for (std::size_t p = 0; p < searches_.size(); ++p)
     for (const CandidatePiece& candidates : candidate_pieces(searches_[p])) {
@@ -187,7 +192,7 @@ void ContactModel::find(std::span<const BodyState> bodies, const StepTimes& time
       pieces_[num_pieces++].candidates = candidates;
     }
   is_used_.assign(memory_.size(), 0);
-  for_indices(num_pieces, 1, [&](std::size_t i) { find(pieces_[i], bodies, times); });
+  for_indices(num_pieces, 1, [&](std::size_t i) { find(pieces_[i], times); });
   std::vector<std::size_t> first{0};
   for (const FoundPiece& piece : std::span(pieces_).first(num_pieces)) {
     if (piece.too_fast) refuse(*piece.too_fast, piece.pair, piece.way, times.time);
@@ -223,7 +228,7 @@ void ContactModel::refuse(const Touch& touch, std::size_t p, double way, double 
                                    surfaces_[searches_[p].first()].span_size()));
 }
 
-void ContactModel::find(FoundPiece& piece, std::span<const BodyState> bodies, const StepTimes& times) {
+void ContactModel::find(FoundPiece& piece, const StepTimes& times) {
   const PairSearch& search = searches_[piece.pair];
   const double h = surfaces_[search.first()].span_size();
   // A single step cut short, as the last one of a run, says nothing.
@@ -233,19 +238,23 @@ void ContactModel::find(FoundPiece& piece, std::span<const BodyState> bodies, co
   piece.memory.clear();
   piece.velocity.clear();
   piece.too_fast.reset();
+  std::ptrdiff_t known = -1;
   for (std::size_t k = piece.candidates.first; k < piece.candidates.last; ++k) {
     auto touch = touch_of(search, piece.candidates, k, surfaces_, rigid_);
     if (!touch) continue;
     touch->key = pair_key(piece.pair, touch->key);
-    const Point3 velocity = relative_velocity(*touch, bodies, times);
+    const Point3 velocity = relative_velocity(*touch, times);
     const double way = norm(velocity) * (started_ ? times.dt_last : 0);
     if (way > longest_step * h) {
       piece.too_fast = touch;
       piece.way = way;
       return;
     }
+    // Both ascend.
+    if (known < 0) known = first_from(touch->key);
+    while (at(known) < memory_.size() && memory_[at(known)].key < touch->key) ++known;
     Memory memory;
-    if (!remember(piece.pair, *touch, way, factor, memory)) continue;
+    if (!remember(piece.pair, *touch, way, factor, at(known), memory)) continue;
     piece.touches.push_back(*touch);
     piece.memory.push_back(memory);
     piece.velocity.push_back(velocity);
@@ -253,12 +262,13 @@ void ContactModel::find(FoundPiece& piece, std::span<const BodyState> bodies, co
 }
 
 // Does the touch count, and what is known of it?
-bool ContactModel::remember(std::size_t p, const Touch& touch, double way, double factor, Memory& memory) {
+bool ContactModel::remember(std::size_t p, const Touch& touch, double way, double factor, std::size_t place,
+                            Memory& memory) {
   const double h = surfaces_[searches_[p].first()].span_size();
   const double entered = entry_allowance * way + entry_rounding * h;
-  if (const Memory* known = remembered(touch.key)) {
-    is_used_[at(known - memory_.data())] = 1;
-    memory = *known;
+  if (place < memory_.size() && memory_[place].key == touch.key) {
+    is_used_[place] = 1;
+    memory = memory_[place];
     memory.baseline = std::min(memory.baseline, touch.depth);
     SpringEnergy& spring = memory.spring;
     // Depth that no motion explains, because another face is the nearest one now, is no work put into the spring.

@@ -82,6 +82,8 @@ class ContactModel : public PenaltySource {
   /// Of drives and of gravity on rigid bodies.
   double external_work() const override;
 
+  /// No penalty source comes after it in a step: penalty_sum need not tell what contact takes of it.
+  void comes_last() { is_last_ = true; }
   /// Takes laps of its phases from now on. Has to outlive it.
   void use_clock(PhaseClock& clock) { clock_ = &clock; }
 
@@ -133,13 +135,14 @@ class ContactModel : public PenaltySource {
   }
   void look_where_stale(std::span<const BodyState> bodies);
   void move(std::span<const BodyState> bodies);
-  void find(std::span<const BodyState> bodies, const StepTimes& times);
+  void find(const StepTimes& times);
   [[noreturn]] void refuse(const Touch& touch, std::size_t pair, double way, double time) const;
-  void find(FoundPiece& piece, std::span<const BodyState> bodies, const StepTimes& times);
-  bool remember(std::size_t pair, const Touch& touch, double way, double factor, Memory& memory);
+  void find(FoundPiece& piece, const StepTimes& times);
+  bool remember(std::size_t pair, const Touch& touch, double way, double factor, std::size_t place, Memory& memory);
+  std::ptrdiff_t first_from(std::uint64_t key) const;
   void take_over(const FoundPiece& piece, std::size_t first);
   const Memory* remembered(std::uint64_t key) const;
-  Point3 relative_velocity(const Touch& touch, std::span<const BodyState> bodies, const StepTimes& times) const;
+  Point3 relative_velocity(const Touch& touch, const StepTimes& times) const;
 
   void share_budget(std::span<const BodyState> bodies, const StepTimes& times);
   void set_springs();
@@ -160,7 +163,7 @@ class ContactModel : public PenaltySource {
   std::vector<RigidState> rigid_;
   std::vector<PairSearch> searches_;
   ContactReport report_;
-  bool started_ = false, overlaps_are_checked_ = false;
+  bool started_ = false, overlaps_are_checked_ = false, is_last_ = false;
   double reference_dt_ = 0;                                      ///< of the springs
   std::vector<double> largest_steps_;                            ///< per deformable body
   double wanted_step_ = std::numeric_limits<double>::infinity(); ///< of the next step, by springs that stiffen

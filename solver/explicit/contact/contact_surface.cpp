@@ -1,5 +1,6 @@
 #include "solver/explicit/contact/contact_surface.hpp"
 
+#include "solver/explicit/contact/coarsen_surface.hpp"
 #include "solver/output/surface_output.hpp"
 
 #include <algorithm>
@@ -27,17 +28,38 @@ Owned group_by_cell(const OutputMesh& output, std::size_t num_cells) {
   return owned;
 }
 
+/// The vertices that stay, in the place of all.
+void keep(CoarseSurface& coarse, OutputMesh& output) {
+  for (std::size_t k = 0; k < coarse.vertex.size(); ++k) { // ascending: what is read is not yet written
+    const auto v = static_cast<std::size_t>(coarse.vertex[k]);
+    std::copy_n(&output.parameters[3 * v], 3, &output.parameters[3 * k]);
+    output.cell[k] = output.cell[v];
+    output.span[k] = output.span[v];
+  }
+  output.parameters.resize(3 * coarse.vertex.size());
+  output.cell.resize(coarse.vertex.size());
+  output.span.resize(coarse.vertex.size());
+  output.mesh = std::move(coarse.mesh);
+}
+
 } // namespace
 
-ContactSurface make_contact_surface(const SolutionSpace& space, const std::string& body, double density,
-                                    double longest) {
+ContactSurface make_contact_surface(const SolutionSpace& space, const std::string& body, double density, double longest,
+                                    double shortest, MergedEdges* merged) {
   const TrimmedModel& model = space.model();
   const Point3 h = model.grid.span_size();
   ContactSurface surface;
   surface.body = body;
   surface.density = density;
   surface.span_size = std::min({h[0], h[1], h[2]});
-  OutputMesh output = refine_surface(model, longest > 0 ? longest : 0.5 * surface.span_size);
+  if (!(longest > 0)) longest = 0.5 * surface.span_size;
+  OutputMesh output = refine_surface(model, longest);
+  if (shortest > 0) {
+    CoarseSurface coarse =
+        coarsen(output.mesh, {std::min(shortest, longest), longest, merge_deviation * surface.span_size});
+    if (merged) *merged = {output.mesh.vertices.size(), coarse.deviation};
+    keep(coarse, output);
+  }
   const Owned owned = group_by_cell(output, model.num_cells());
   std::vector<std::vector<Eigen::Triplet<double>>> rows(model.num_cells());
   tbb::parallel_for(std::size_t{0}, model.num_cells(), [&](std::size_t a) {

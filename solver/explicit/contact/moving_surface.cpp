@@ -49,6 +49,14 @@ void MovingSurface::activate(std::vector<std::uint8_t> is_active) {
   active_nodes_.clear();
   for (std::size_t v = 0; v < is_active.size(); ++v)
     if (is_active[v]) active_.push_back(static_cast<std::int32_t>(v));
+  active_faces_.clear();
+  for (std::size_t f = 0; f < mesh_.triangles.size(); ++f) {
+    const Triangle& t = mesh_.triangles[f];
+    if (is_active[at(t[0])] && is_active[at(t[1])] && is_active[at(t[2])])
+      active_faces_.push_back(static_cast<std::int32_t>(f));
+  }
+  v_.resize(rigid_ ? 0 : mesh_.vertices.size());
+  unit_normal_.resize(mesh_.triangles.size());
   if (rigid_) return;
   SparseRows& T = active_columns_;
   T.first.assign(columns_.rows() + 1, 0);
@@ -76,9 +84,25 @@ void MovingSurface::activate(std::vector<std::uint8_t> is_active) {
 }
 
 void MovingSurface::move_active(const BodyState& state) {
+  const double* const u = state.displacement->data();
   for_indices(active_.size(), grain, [&](std::size_t k) {
     const std::size_t v = at(active_[k]);
-    x_[v] = plus(mesh_.vertices[v], combine_row(rows_, v, state.displacement->data()));
+    if (!state.velocity) {
+      x_[v] = plus(mesh_.vertices[v], combine_row(rows_, v, u));
+      return;
+    }
+    const auto [way, velocity] = combine_row(rows_, v, u, state.velocity->data());
+    x_[v] = plus(mesh_.vertices[v], way);
+    v_[v] = velocity;
+  });
+  find_normals();
+}
+
+void MovingSurface::find_normals() {
+  for_indices(active_faces_.size(), grain, [&](std::size_t k) {
+    const Point3 n = normal_now(active_faces_[k]);
+    const double length = norm(n);
+    unit_normal_[at(active_faces_[k])] = length > 0 ? times(n, 1 / length) : Point3{};
   });
 }
 
@@ -91,10 +115,7 @@ void MovingSurface::move_all(const BodyState& state) {
 void MovingSurface::move_active(const RigidState& state) {
   for_indices(active_.size(), grain,
               [&](std::size_t k) { x_[at(active_[k])] = state.to_space(mesh_.vertices[at(active_[k])]); });
-}
-
-Point3 MovingSurface::velocity(std::int32_t v, const BodyState& state) const {
-  return combine_row(rows_, at(v), state.velocity->data());
+  find_normals();
 }
 
 void MovingSurface::move_all(const RigidState& state) {

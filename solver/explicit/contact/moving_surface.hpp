@@ -46,9 +46,11 @@ class MovingSurface {
   void move_all(const RigidState& state);
 
   const Point3& x(std::int32_t v) const { return x_[static_cast<std::size_t>(v)]; }
-  /// Of one vertex of a deformable body.
-  Point3 velocity(std::int32_t v, const BodyState& state) const;
   const std::vector<Point3>& positions() const { return x_; }
+  /// Of an active vertex of a deformable body at the last move_active, where that had a velocity.
+  const Point3& v(std::int32_t vertex) const { return v_[static_cast<std::size_t>(vertex)]; }
+  /// Unit normal at the last move_active of a face whose corners are active; zero where it has no area.
+  const Point3& unit_normal(std::int32_t face) const { return unit_normal_[static_cast<std::size_t>(face)]; }
   /// Twice the area times the normal, where the corners are up to date.
   Point3 normal_now(std::int32_t face) const;
   /// Direction that tells outside from inside at a feature of a face (closest_on_triangle): Bærentzen & Aanæs (2005).
@@ -64,8 +66,10 @@ class MovingSurface {
   double span_size_ = 0, density_ = 0;
   SparseRows rows_, columns_, active_columns_;
   std::vector<double> weight_sum_, node_reach_;
-  std::vector<std::int32_t> nodes_, active_, active_nodes_;
-  std::vector<Point3> x_;
+  void find_normals();
+
+  std::vector<std::int32_t> nodes_, active_, active_nodes_, active_faces_;
+  std::vector<Point3> x_, v_, unit_normal_;
 };
 
 } // namespace iga::solve

@@ -7,6 +7,7 @@
 #include "solver/explicit/contact/contact_surface.hpp"
 
 #include <cmath>
+#include <utility>
 
 namespace iga::solve {
 
@@ -44,6 +45,21 @@ inline Point3 combine_row(const SparseRows& S, std::size_t i, const double* noda
     for (int d = 0; d < 3; ++d) a[d] += S.value[e] * x[d];
   }
   return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
+}
+
+/// The same of two fields at once: the row is read once.
+inline std::pair<Point3, Point3> combine_row(const SparseRows& S, std::size_t i, const double* first,
+                                             const double* second) {
+  double a[3]{}, b[3]{};
+  for (auto e = static_cast<std::size_t>(S.first[i]); e < static_cast<std::size_t>(S.first[i + 1]); ++e) {
+    const double N = S.value[e];
+    const std::ptrdiff_t place = 3 * static_cast<std::ptrdiff_t>(S.column[e]);
+    for (int d = 0; d < 3; ++d) {
+      a[d] += N * first[place + d];
+      b[d] += N * second[place + d];
+    }
+  }
+  return {{a[0], a[1], a[2]}, {b[0], b[1], b[2]}};
 }
 
 /// Σ_j |S_ij| z_j.

@@ -31,9 +31,8 @@ double facing_area(const MovingSurface& s, const SideMask& mask, std::int32_t v,
   double area = 0;
   for (const std::int32_t f : s.mesh().faces_of(v)) {
     if (!mask.face[at(f)]) continue;
-    const Point3 n = s.normal_now(f);
-    const double against = -dot(n, normal), length = norm(n);
-    if (against > least_facing * length) area += s.mesh().face_area[at(f)] / 3 * (against / length);
+    const double against = -dot(s.unit_normal(f), normal);
+    if (against > least_facing) area += s.mesh().face_area[at(f)] / 3 * against;
   }
   return area;
 }
@@ -77,9 +76,8 @@ struct RingNormals {
   std::array<Point3, 16> normal;
   std::size_t count = 0;
   bool oppose(const Point3& n) const {
-    const double length = norm(n);
     for (std::size_t i = 0; i < count; ++i)
-      if (dot(normal[i], n) < -least_facing * length) return true;
+      if (dot(normal[i], n) < -least_facing) return true;
     return false;
   }
 };
@@ -88,8 +86,7 @@ RingNormals ring_normals(const MovingSurface& s, const SideMask& mask, std::int3
   RingNormals ring;
   for (const std::int32_t f : s.mesh().faces_of(v)) {
     if (!mask.face[at(f)] || ring.count == ring.normal.size()) continue;
-    const Point3 n = s.normal_now(f);
-    if (const double length = norm(n); length > 0) ring.normal[ring.count++] = times(n, 1 / length);
+    ring.normal[ring.count++] = s.unit_normal(f);
   }
   return ring;
 }
@@ -106,7 +103,7 @@ std::optional<Touch> touch_face(const PairSearch& search, std::size_t pass_numbe
   best.on.distance2 = std::numeric_limits<double>::infinity();
   const RingNormals own_faces = ring_normals(slave, search.mask(pass.slave), v);
   for (std::size_t k = pass.offsets[candidate]; k < pass.offsets[candidate + 1]; ++k) {
-    if (!own_faces.oppose(master.normal_now(pass.faces[k]))) continue;
+    if (!own_faces.oppose(master.unit_normal(pass.faces[k]))) continue;
     const Triangle& t = master.mesh().triangles[at(pass.faces[k])];
     const ClosestOnTriangle on = closest_on_triangle(x, master.x(t[0]), master.x(t[1]), master.x(t[2]));
     if (on.distance2 < best.on.distance2) best = {on, pass.faces[k]};
@@ -198,7 +195,7 @@ std::optional<Touch> touch_edge(const PairSearch& search, std::size_t candidate,
   const Point3 q = plus(times(second.x(o.a), 1 - near.t), times(second.x(o.b), near.t));
   Point3 n = cross(minus(first.x(e.b), first.x(e.a)), minus(second.x(o.b), second.x(o.a)));
   n = times(n, 1 / norm(n));
-  const Point3 outward = plus(second.normal_now(o.left), second.normal_now(o.right));
+  const Point3 outward = plus(second.unit_normal(o.left), second.unit_normal(o.right));
   if (dot(n, outward) < 0) n = times(n, -1);
   Touch touch;
   touch.depth = -dot(minus(p, q), n);
@@ -208,9 +205,9 @@ std::optional<Touch> touch_edge(const PairSearch& search, std::size_t candidate,
   if (!(touch.depth > 0) || touch.depth > std::min(limit(first, e), limit(second, o))) return std::nullopt;
   // Each lies within the wedge behind the other's edge.
   for (const std::int32_t f : {o.left, o.right})
-    if (!(dot(second.normal_now(f), n) > 0)) return std::nullopt;
+    if (!(dot(second.unit_normal(f), n) > 0)) return std::nullopt;
   for (const std::int32_t f : {e.left, e.right})
-    if (!(dot(first.normal_now(f), n) < 0)) return std::nullopt;
+    if (!(dot(first.unit_normal(f), n) < 0)) return std::nullopt;
   touch.limit = std::min({limit_spans * (first.is_rigid() ? second : first).span_size(),
                           limit_share / seen_share * std::min(limit(first, e), limit(second, o))});
   touch.key = std::uint64_t{3} << 54 | static_cast<std::uint64_t>(i) << 27 | static_cast<std::uint64_t>(j);

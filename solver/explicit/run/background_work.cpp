@@ -1,5 +1,7 @@
 #include "solver/explicit/run/background_work.hpp"
 
+#include "solver/base/parallel.hpp"
+
 #include <tbb/global_control.h>
 #include <utility>
 
@@ -12,7 +14,10 @@ BackgroundWork::~BackgroundWork() {
 }
 
 void BackgroundWork::add(std::function<void()> job) {
-  if (tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism) < 2) return job();
+  if (tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism) < 2) {
+    const ParallelTime::Section section; // no serial work: with more threads it goes on beside the steps
+    return job();
+  }
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return jobs_.size() < 1 + most_waiting; });
   rethrow();

@@ -66,6 +66,7 @@ BodyRun read_body(io::SettingsTable& table, const Point3& gravity, ExplicitRun& 
   body.spin = read_vector(table, "spin").value_or(Point3{});
   body.centre = read_vector(table, "spin_centre");
   body.edge_length = number_from(table, "edge_length", 0, 0);
+  body.merge_length = number_from(table, "merge_length", 0, 0);
   return body;
 }
 

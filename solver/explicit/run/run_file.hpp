@@ -29,6 +29,7 @@ struct BodyRun {
   Point3 velocity{}, spin{};    ///< at the start; length/time and 1/time
   std::optional<Point3> centre; ///< that the spin turns about; the body's centre of mass where none is given
   double edge_length = 0;       ///< of contact triangles, length; 0: half a span
+  double merge_length = 0;      ///< their edges below this are merged, length; 0: none
 };
 
 /// One of [[rigid_bodies]].

@@ -21,7 +21,7 @@ std::vector<io::TableKeys> run_file_keys() {
       {"", {"units", "unit_system", "materials", "gravity"}},
       {"bodies",
        {"mass", "light_functions", "light_threshold", "damping", "erosion_volume_ratio", "velocity", "spin",
-        "spin_centre", "edge_length"}},
+        "spin_centre", "edge_length", "merge_length"}},
       {"bodies.material", material_keys()},
       {"loads", {"body", "smooth", "factor", "follows"}},
       {"supports", {"name", "body", "fixed", "stiffness", "damping"}},

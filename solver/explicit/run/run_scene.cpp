@@ -133,8 +133,15 @@ void ExplicitScene::add_contact() {
   for (std::size_t b = 0; b < bodies_.size(); ++b)
     surfaces.push_back(at(run_.bodies[b].where, [&] {
       io::stop_if_interrupted();
-      ContactSurface surface = make_contact_surface(bodies_[b]->space(), run_.bodies[b].body.name,
-                                                    density_of(run_.bodies[b]), run_.bodies[b].edge_length);
+      const BodyRun& body = run_.bodies[b];
+      MergedEdges merged;
+      ContactSurface surface = make_contact_surface(bodies_[b]->space(), body.body.name, density_of(body),
+                                                    body.edge_length, body.merge_length, &merged);
+      if (merged.vertices_before > 0)
+        findings_.push_back(fmt::format(
+            "body '{}': contact works on {} of {} vertices, as edges below {:g} are merged; "
+            "what was merged lies within {:.3g} of the triangles that stay",
+            body.body.name, surface.mesh.vertices.size(), merged.vertices_before, body.merge_length, merged.deviation));
       surface.wave_speed = bodies_[b]->forces().reference_wave_speed();
       return surface;
     }));
@@ -235,6 +242,7 @@ void ExplicitScene::make_integrator() {
   for (const auto& support : supports_) integrator_->add(*support);
   if (!contact_) return;
   integrator_->add(*contact_);
+  contact_->comes_last();
   contact_->use_clock(integrator_->clock());
 }
 

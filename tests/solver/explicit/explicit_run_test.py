@@ -209,6 +209,18 @@ class ExplicitRunTest(unittest.TestCase):
         self.assertRegex(text, r"steps took +internal forces \d+\.\d %, contact search \d+\.\d %")
         self.assertNotIn("times as fast", text)
 
+    def test_short_edges_of_the_contact_surface_are_merged(self):
+        text = run_text().replace("damping = 0.01", "damping = 0.01\nedge_length = 0.5\nmerge_length = 0.45")
+        (self.path / "merged.toml").write_text(text)
+        done = self.solve("merged.toml", "merged.h5", "--json", "--force")
+        report = json.loads(done.stdout)
+        found = [re.search(r"contact works on (\d+) of (\d+) vertices.* within (\S+) of", text) for text in report["findings"]]
+        left, before, off = next(match.groups() for match in found if match)
+        self.assertTrue(8 <= int(left) < int(before))
+        self.assertLess(float(off), 1e-12)  # a box: what is merged lies in its faces
+        self.assertLess(report["momentum_error"], 1e-12)
+        self.assertLess(report["energy_error"], 1e-3)
+
     def test_progress_lines(self):
         done = self.solve("run.toml", "progress.h5", "--force")
         lines = [line for line in done.stderr.splitlines() if line.startswith("stepping:")]
