@@ -29,8 +29,8 @@ struct SolverReport {
 std::string text_of(const SolverReport& report);
 
 /// From this number of unknowns on `auto` takes multigrid: there it is faster and takes a fraction of the memory
-/// (README.md).
-constexpr std::int64_t multigrid_from = 100'000;
+/// (README.md); below, the direct solver also proves that no mode is missing.
+constexpr std::int64_t multigrid_from = 300'000;
 
 /// @param obstacle  what keeps multigrid from treating this system, a sentence's end; empty: nothing
 /// @throws InputError where multigrid is asked for and there is an obstacle

@@ -72,7 +72,11 @@ KEYS = {
 }
 LEFT_OUT = {
     "": {"contact": "search skin", "energy": "energy balance watch", "watch": "watch", "stop": "stop"},
-    "bodies": {"damping": None, "erosion_volume_ratio": None},
+    "bodies": {
+        "damping": None,
+        "erosion_volume_ratio": None,
+        "locking": "the deck's elements see the volume ratio of each point",
+    },
     "rigid_bodies": {},
     "contacts": {"stiffness": "the contact card has LS-DYNA's own stiffness, SOFT 1", "edges": "edges of surfaces"},
     "loads": {"follows": None},

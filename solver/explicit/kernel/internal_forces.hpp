@@ -12,6 +12,7 @@ namespace iga::solve {
 struct KernelOptions {
   bool erode_inverted = false; ///< points that invert are taken out for good
   double erosion_J = 0;        ///< so are those whose det F falls below this; 0: none
+  bool mean_volume = false;    ///< F-bar: the law sees one volume ratio per cell
 
   bool erodes() const { return erode_inverted || erosion_J > 0; }
 };
@@ -52,6 +53,7 @@ class InternalForces {
   /// it, see LawOutput::damping_ratio.
   virtual void set_frequency_ratio(double kappa) = 0;
   virtual const SpanPlan& plan() const = 0;
+  virtual bool sees_mean_volume() const = 0; ///< KernelOptions::mean_volume
   /// Memory of points, tables and plan, bytes.
   virtual std::int64_t memory() const = 0;
   virtual PointHistory save() const = 0;

@@ -55,6 +55,15 @@ class PointStress {
   /// @param weight  of the points, volume; 0 in lanes that do not count
   /// @param H       gradient with respect to the grid's axes; taken over by weight P in the same axes
   [[gnu::always_inline]] void operator()(std::int64_t block, const Wide& weight, TensorWide& H) {
+    to_deformation(H);
+    TensorLanes P;
+    for (int k = 0; k < 9; ++k) store(in_.F.c[k], H.c[k]);
+    evaluate(block, weight, P, nullptr, nullptr);
+    to_grid_axes(weight, P, H);
+  }
+
+  /// H with respect to the grid's axes becomes F with respect to the part's.
+  [[gnu::always_inline]] void to_deformation(TensorWide& H) const {
     if (rotated_)
       for (int a = 0; a < 3; ++a) {
         const Wide h[3] = {H(a, 0), H(a, 1), H(a, 2)};
@@ -62,24 +71,21 @@ class PointStress {
           H(a, static_cast<int>(b)) = h[0] * R_[b][0] + h[1] * R_[b][1] + h[2] * R_[b][2];
       }
     for (int a = 0; a < 3; ++a) H(a, a) = H(a, a) + 1.0;
-    for (int k = 0; k < 9; ++k) store(in_.F.c[k], H.c[k]);
-    if (law_.needs_old_F || erodes_) {
-      Lanes* old = memory_.F_old.data() + 9 * block;
-      for (int k = 0; k < 9; ++k) {
-        store(in_.F_old.c[k], wide(old[k]));
-        store(old[k], H.c[k]);
-      }
-    }
-    TensorLanes P;
-    LawOutput out;
-    law_.stress(law_.law.get(), in_, memory_.history.data() + law_.history * block, P, out);
-    if (erodes_) {
-      Lanes share;
-      store(share, weight);
-      erode(block, share, P, out);
-      finish_point(wide(share), P, out, H);
-    } else {
-      finish_point(weight, P, out, H);
+  }
+
+  /// Stress at F̄ = scale F of a block of points whose own volume ratio is J.
+  void evaluate_scaled(std::int64_t block, const Wide& weight, const TensorLanes& F, const Lanes& scale, const Lanes& J,
+                       TensorLanes& P) {
+    in_.F = F;
+    evaluate(block, weight, P, &scale, &J);
+  }
+
+  /// P times weight in the grid's axes.
+  [[gnu::always_inline]] void to_grid_axes(const Wide& weight, const TensorLanes& P, TensorWide& H) const {
+    for (int a = 0; a < 3; ++a) {
+      const Wide p[3] = {wide(P(a, 0)) * weight, wide(P(a, 1)) * weight, wide(P(a, 2)) * weight};
+      for (std::size_t m = 0; m < 3; ++m)
+        H(a, static_cast<int>(m)) = rotated_ ? p[0] * R_[0][m] + p[1] * R_[1][m] + p[2] * R_[2][m] : p[m];
     }
   }
 
@@ -124,13 +130,34 @@ class PointStress {
  private:
   static constexpr double no_J = std::numeric_limits<double>::infinity();
 
-  [[gnu::always_inline]] void finish_point(const Wide& weight, const TensorLanes& P, const LawOutput& out,
-                                           TensorWide& H) {
-    for (int a = 0; a < 3; ++a) {
-      const Wide p[3] = {wide(P(a, 0)) * weight, wide(P(a, 1)) * weight, wide(P(a, 2)) * weight};
-      for (std::size_t m = 0; m < 3; ++m)
-        H(a, static_cast<int>(m)) = rotated_ ? p[0] * R_[0][m] + p[1] * R_[1][m] + p[2] * R_[2][m] : p[m];
+  // Stress at in_.F, zero where points are taken out, and what the step has to know of it.
+  [[gnu::always_inline]] void evaluate(std::int64_t block, const Wide& weight, TensorLanes& P, const Lanes* scale,
+                                       const Lanes* J) {
+    if (law_.needs_old_F || erodes_) {
+      Lanes* old = memory_.F_old.data() + 9 * block;
+      for (int k = 0; k < 9; ++k) {
+        const Wide now = wide(in_.F.c[k]);
+        store(in_.F_old.c[k], wide(old[k]));
+        store(old[k], now);
+      }
     }
+    LawOutput out;
+    law_.stress(law_.law.get(), in_, memory_.history.data() + law_.history * block, P, out);
+    if (scale != nullptr) {
+      out.J = *J;
+      for (std::size_t l = 0; l < lanes; ++l) out.wave_speed_squared[l] *= std::max(1.0, (*scale)[l] * (*scale)[l]);
+    }
+    if (erodes_) {
+      Lanes share;
+      store(share, weight);
+      erode(block, share, P, out);
+      count(wide(share), out);
+    } else {
+      count(weight, out);
+    }
+  }
+
+  [[gnu::always_inline]] void count(const Wide& weight, const LawOutput& out) {
     store(speed_, max(wide(speed_), wide(out.wave_speed_squared)));
     store(damping_, max(wide(damping_), wide(out.damping_ratio)));
     store(compression_, max(wide(compression_), wide(out.compression)));

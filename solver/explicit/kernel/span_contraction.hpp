@@ -5,6 +5,7 @@
 // is the transpose of the same steps.
 #pragma once
 
+#include "solver/explicit/kernel/mean_volume.hpp"
 #include "solver/explicit/kernel/span_plan.hpp"
 #include "solver/explicit/simd/wide.hpp"
 
@@ -36,6 +37,7 @@ template <class Degrees> struct ContractionWork {
   /// function]
   Wide values[3][max_row_points * width], slopes[3][max_row_points * width];
   std::int32_t tensor = -1;
+  MeanVolumeLanes means; ///< with F-bar
   alignas(64) double scratch[lanes * padded] = {};
 };
 
@@ -76,10 +78,13 @@ template <class Degrees>
     }
 }
 
+/// Gradients alone: `visit` keeps what it wants of H, nothing comes back. Forces alone: `visit` fills H with stresses.
+enum class Sweep { Both, Gradients, Forces };
+
 /// @param visit  visit(first, count, H): gives the stresses of points first … first + count of the tensor, times their
 ///               weights, for the gradients H[0 … count), in their place
 /// Reads work.u, overwrites work.f.
-template <class Degrees, class Visit>
+template <Sweep sweep = Sweep::Both, class Degrees, class Visit>
 [[gnu::always_inline]] inline void contract_tensor(const Degrees p, const std::array<int, 3>& count,
                                                    ContractionWork<Degrees>& work, Visit&& visit) {
   const int wu = p.u + 1, wv = p.v + 1, ww = p.w + 1, line = 3 * wu, plane = line * wv;
@@ -88,7 +93,7 @@ template <class Degrees, class Visit>
   const Wide *Du = work.slopes[0], *Dv = work.slopes[1], *Dw = work.slopes[2];
   for (int qw = 0; qw < nw; ++qw) {
     const Wide *N = Nw + qw * ww, *D = Dw + qw * ww;
-    for (int m = 0; m < plane; ++m) {
+    for (int m = 0; sweep != Sweep::Forces && m < plane; ++m) {
       Wide value = N[0] * work.u[m], slope = D[0] * work.u[m];
       for (int k = 1; k < ww; ++k) {
         value += N[k] * work.u[k * plane + m];
@@ -99,7 +104,7 @@ template <class Degrees, class Visit>
     }
     for (int qv = 0; qv < nv; ++qv) {
       const Wide *M = Nv + qv * wv, *E = Dv + qv * wv;
-      for (int m = 0; m < line; ++m) {
+      for (int m = 0; sweep != Sweep::Forces && m < line; ++m) {
         Wide along_u = M[0] * work.value[m], along_v = E[0] * work.value[m], along_w = M[0] * work.slope[m];
         for (int j = 1; j < wv; ++j) {
           along_u += M[j] * work.value[j * line + m];
@@ -110,7 +115,7 @@ template <class Degrees, class Visit>
         work.row[1][m] = along_v;
         work.row[2][m] = along_w;
       }
-      for (int qu = 0; qu < nu; ++qu) {
+      for (int qu = 0; sweep != Sweep::Forces && qu < nu; ++qu) {
         const Wide *L = Nu + qu * wu, *C = Du + qu * wu;
         TensorWide& H = work.points[qu];
         for (int c = 0; c < 3; ++c) {
@@ -126,6 +131,7 @@ template <class Degrees, class Visit>
         }
       }
       visit((qw * nv + qv) * nu, nu, work.points);
+      if constexpr (sweep == Sweep::Gradients) continue;
       for (int i = 0; i < wu; ++i)
         for (int c = 0; c < 3; ++c) {
           Wide x{}, y{}, z{};
@@ -150,7 +156,7 @@ template <class Degrees, class Visit>
           }
         }
     }
-    for (int k = 0; k < ww; ++k)
+    for (int k = 0; sweep != Sweep::Gradients && k < ww; ++k)
       for (int m = 0; m < plane; ++m) {
         const Wide share = N[k] * work.f_value[m] + D[k] * work.f_slope[m];
         work.f[k * plane + m] = qw == 0 ? share : work.f[k * plane + m] + share;
@@ -162,7 +168,7 @@ template <class Degrees, class Visit>
 /// eight shares of its forces, to be summed. One of each of eight spans: `u` (Wide) and work.f hold theirs, lane by
 /// lane.
 /// @param visit  visit(block, points, H): stresses times weights of that block of points in the place of H
-template <class Degrees, class Coefficient, class Visit>
+template <Sweep sweep = Sweep::Both, class Degrees, class Coefficient, class Visit>
 [[gnu::always_inline]] inline void contract_points(const Degrees p, const SpanPolynomials* const (&polynomials)[3],
                                                    std::span<const OwnPoints> blocks, const Coefficient* u,
                                                    ContractionWork<Degrees>& work, Visit&& visit) {
@@ -174,7 +180,7 @@ template <class Degrees, class Coefficient, class Visit>
     evaluate_polynomials<most>(*polynomials[1], p.v, wide(blocks[b].t[1]), Nv, Dv);
     evaluate_polynomials<most>(*polynomials[2], p.w, wide(blocks[b].t[2]), Nw, Dw);
     TensorWide H{};
-    for (int k = 0; k < ww; ++k)
+    for (int k = 0; sweep != Sweep::Forces && k < ww; ++k)
       for (int c = 0; c < 3; ++c) {
         Wide along_u{}, along_v{}, along_w{};
         for (int j = 0; j < wv; ++j) {
@@ -193,7 +199,7 @@ template <class Degrees, class Coefficient, class Visit>
         H(c, 2) += Dw[k] * along_w;
       }
     visit(static_cast<std::int64_t>(b), blocks[b], H);
-    for (int k = 0; k < ww; ++k)
+    for (int k = 0; sweep != Sweep::Gradients && k < ww; ++k)
       for (int c = 0; c < 3; ++c) {
         const Wide x = Nw[k] * H(c, 0), y = Nw[k] * H(c, 1), z = Dw[k] * H(c, 2);
         for (int j = 0; j < wv; ++j) {

@@ -1,5 +1,6 @@
 // The kernel of explicit dynamics: deformation gradients, stresses and internal forces, eight points at a time.
 #include "solver/base/parallel.hpp"
+#include "solver/explicit/kernel/mean_volume.hpp"
 #include "solver/explicit/kernel/point_stress.hpp"
 #include "solver/explicit/kernel/span_contraction.hpp"
 #include "solver/explicit/simd/lane_transpose.hpp"
@@ -42,6 +43,7 @@ template <class Degrees> class SpanKernel final : public InternalForces {
 
   double reference_wave_speed() const override { return law_.wave_speed; }
   const SpanPlan& plan() const override { return plan_; }
+  bool sees_mean_volume() const override { return options_.mean_volume; }
 
   void set_frequency_ratio(double kappa) override { kappa_ = kappa; }
 
@@ -117,11 +119,16 @@ template <class Degrees> class SpanKernel final : public InternalForces {
       Lanes counted{};
       for (std::size_t l = 0; l < static_cast<std::size_t>(group.count); ++l) counted[l] = 1;
       evaluate_tensor(degrees_, polynomials_of(group).of, tensor, group.tensor, work);
-      contract_tensor(degrees_, tensor.count, work, [&](int first, int count, TensorWide* points) {
-        for (int q = 0; q < count; ++q)
-          stress(group.first_block + first + q,
-                 wide(counted) * wide(tensor.weights[static_cast<std::size_t>(first + q)]), points[q]);
-      });
+      if (options_.mean_volume) [[unlikely]]
+        visit_means(tensor, counted, group.first_block, work, stress);
+      else
+        contract_tensor(degrees_, tensor.count, work, [&](int first, int count, TensorWide* points) {
+          for (int q = 0; q < count; ++q)
+            stress(group.first_block + first + q,
+                   wide(counted) * wide(tensor.weights[static_cast<std::size_t>(first + q)]), points[q]);
+        });
+    } else if (options_.mean_volume) {
+      visit_means(polynomials_of(group).of, own_points(group), work.u, false, group.first_block, work, stress);
     } else {
       contract_points(degrees_, polynomials_of(group).of, own_points(group), work.u, work,
                       [&](std::int64_t b, const OwnPoints& points, TensorWide& H) {
@@ -145,10 +152,13 @@ template <class Degrees> class SpanKernel final : public InternalForces {
                     PointExtremes& extremes) {
     const std::size_t size = static_cast<std::size_t>(3 * (degrees_.u + 1)) * num_rows();
     copy_rows(span.span, u, work.scratch);
-    contract_points(degrees_, polynomials_of(span).of, own_points(span), work.scratch, work,
-                    [&](std::int64_t b, const OwnPoints& points, TensorWide& H) {
-                      stress(span.first_block + b, wide(points.weight), H);
-                    });
+    if (options_.mean_volume)
+      visit_means(polynomials_of(span).of, own_points(span), work.scratch, true, span.first_block, work, stress);
+    else
+      contract_points(degrees_, polynomials_of(span).of, own_points(span), work.scratch, work,
+                      [&](std::int64_t b, const OwnPoints& points, TensorWide& H) {
+                        stress(span.first_block + b, wide(points.weight), H);
+                      });
     std::array<std::int32_t, lanes> owner;
     owner.fill(span.span);
     stress.finish(owner.data(), extremes);
@@ -159,6 +169,68 @@ template <class Degrees> class SpanKernel final : public InternalForces {
       store_wide(lane_sums(block), work.scratch + k);
     }
     add_rows(span.span, work.scratch, f);
+  }
+
+  // F-bar of eight spans whose points are one tensor: gradients of all points, then the law, then forces.
+  [[gnu::noinline]] void visit_means(const LaneTensor& tensor, const Lanes& counted, std::int64_t first_block,
+                                     Work& work, PointStress& stress) {
+    MeanVolumeLanes& means = work.means;
+    const auto weight = [&](std::size_t q) { return tensor.weights[q]; };
+    means.start(static_cast<std::size_t>(tensor.size()), false);
+    contract_tensor<Sweep::Gradients>(degrees_, tensor.count, work, [&](int first, int count, TensorWide* points) {
+      for (int q = 0; q < count; ++q) {
+        const auto b = static_cast<std::size_t>(first + q);
+        add_to(means, b, weight(b), points[q], stress);
+      }
+    });
+    evaluate_means(means, static_cast<std::size_t>(tensor.size()), first_block, counted, weight, stress);
+    contract_tensor<Sweep::Forces>(degrees_, tensor.count, work, [&](int first, int count, TensorWide* points) {
+      for (int q = 0; q < count; ++q) {
+        const auto b = static_cast<std::size_t>(first + q);
+        stress.to_grid_axes(wide(counted) * wide(weight(b)), means.stress(b), points[q]);
+      }
+    });
+  }
+
+  // The same of points of their own, of eight spans or of one.
+  template <class Coefficient>
+  [[gnu::noinline]] void visit_means(const SpanPolynomials* const (&polynomials)[3], std::span<const OwnPoints> points,
+                                     const Coefficient* u, bool one_cell, std::int64_t first_block, Work& work,
+                                     PointStress& stress) {
+    MeanVolumeLanes& means = work.means;
+    const auto weight = [&](std::size_t b) { return points[b].weight; };
+    means.start(points.size(), one_cell);
+    contract_points<Sweep::Gradients>(degrees_, polynomials, points, u, work,
+                                      [&](std::int64_t b, const OwnPoints& own, TensorWide& H) {
+                                        add_to(means, static_cast<std::size_t>(b), own.weight, H, stress);
+                                      });
+    evaluate_means(means, points.size(), first_block, Lanes{} + 1.0, weight, stress);
+    contract_points<Sweep::Forces>(
+        degrees_, polynomials, points, u, work, [&](std::int64_t b, const OwnPoints& own, TensorWide& H) {
+          stress.to_grid_axes(wide(own.weight), means.stress(static_cast<std::size_t>(b)), H);
+        });
+  }
+
+  static void add_to(MeanVolumeLanes& means, std::size_t b, const Lanes& weight, TensorWide& H,
+                     const PointStress& stress) {
+    stress.to_deformation(H);
+    TensorLanes F;
+    for (int k = 0; k < 9; ++k) store(F.c[k], H.c[k]);
+    means.add(b, weight, F);
+  }
+
+  template <class Weight>
+  static void evaluate_means(MeanVolumeLanes& means, std::size_t blocks, std::int64_t first_block, const Lanes& counted,
+                             const Weight& weight, PointStress& stress) {
+    means.find_means();
+    for (std::size_t b = 0; b < blocks; ++b) {
+      TensorLanes P;
+      const TensorLanes F = means.scaled(b);
+      stress.evaluate_scaled(first_block + static_cast<std::int64_t>(b), wide(counted) * wide(weight(b)), F,
+                             means.scale(b), means.J(b), P);
+      means.take(b, weight(b), P);
+    }
+    means.find_mean_stress();
   }
 
   struct DirectionPolynomials {

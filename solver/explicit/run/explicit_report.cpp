@@ -128,10 +128,11 @@ std::string explicit_text(const ExplicitOutcome& o) {
     const ExplicitBody& body = o.scene.body(b);
     const ModelSummary summary = summarise(body.space().model());
     const StartStep& limit = o.scene.limits()[b];
-    report.line("body", "{}: {}, {}; {} interior, {} trimmed spans, {} points, {} unknowns, mass {:.6g} ({})",
+    report.line("body", "{}: {}, {}; {} interior, {} trimmed spans, {} points, {} unknowns, mass {:.6g} ({}){}",
                 run.bodies[b].body.name, run.bodies[b].model.string(), run.bodies[b].material.name, summary.interior,
                 summary.trimmed, body.space().model().points.weights.size(), body.num_unknowns(), body.mass().total(),
-                name_of(run.bodies[b].body.mass));
+                name_of(run.bodies[b].body.mass),
+                body.forces().sees_mean_volume() ? "; F-bar: the law sees one volume ratio per cell" : "");
     report.line("", "critical step {:.6g} by {}; {} of {} functions light: {}", limit.dt,
                 limit.by_lanczos ? "Lanczos" : "the bound of single spans", body.space().num_light(),
                 body.space().model().num_unknowns(), name_of(body.space().treatment().remedy));
@@ -189,6 +190,7 @@ std::string explicit_json(const ExplicitOutcome& o) {
     one.add("points", body.space().model().points.weights.size()).add("unknowns", body.num_unknowns());
     one.add("mass", body.mass().total())
         .add("mass_type", name_of(run.bodies[b].body.mass))
+        .add("locking", body.forces().sees_mean_volume() ? "fbar" : "none")
         .add("light_functions", light);
     one.add("dt_crit", limit.dt).add("omega_max_bound", limit.omega).add("by_lanczos", limit.by_lanczos);
     one.add("dt_spans", limit.element_dt).add("inverted", integrator.inverted(b)).add("eroded", integrator.eroded(b));

@@ -37,6 +37,18 @@ LightTreatment read_light(io::SettingsTable& table, MassType mass) {
   return light;
 }
 
+// Whether the law sees the mean volume ratio of each cell.
+bool read_locking(io::SettingsTable& table, const Law& law) {
+  const std::array<std::string, 2> names{"none", "fbar"};
+  const std::optional<std::string> name = table.text("locking");
+  if (!name || choose(table, "locking", *name, names) == 0) return false;
+  if (std::holds_alternative<LinearElastic>(law))
+    refuse(table, "locking",
+           "found \"fbar\", expected \"none\": linear-elastic is a law of small strains, whose volume is not det F; "
+           "take neo-hookean");
+  return true;
+}
+
 BodyRun read_body(io::SettingsTable& table, const Point3& gravity, ExplicitRun& run) {
   std::vector<std::string> names;
   for (const BodyRun& other : run.bodies) names.push_back(other.body.name);
@@ -58,6 +70,7 @@ BodyRun read_body(io::SettingsTable& table, const Point3& gravity, ExplicitRun& 
   s.kernel.erode_inverted = body.material.inversion.action == InvertedPoints::Erode;
   s.stop_at_inverted = body.material.inversion.action == InvertedPoints::Stop;
   s.kernel.erosion_J = number_from(table, "erosion_volume_ratio", 0, 0);
+  s.kernel.mean_volume = read_locking(table, body.material.law);
   s.mass = read_mass(table);
   s.light = read_light(table, s.mass);
   s.damping = number_from(table, "damping", 0, 0);

@@ -20,7 +20,7 @@ std::vector<io::TableKeys> run_file_keys() {
   std::vector<io::TableKeys> keys{
       {"", {"units", "unit_system", "materials", "gravity"}},
       {"bodies",
-       {"mass", "light_functions", "light_threshold", "damping", "erosion_volume_ratio", "velocity", "spin",
+       {"mass", "light_functions", "light_threshold", "damping", "erosion_volume_ratio", "locking", "velocity", "spin",
         "spin_centre", "edge_length", "merge_length"}},
       {"bodies.material", material_keys()},
       {"loads", {"body", "smooth", "factor", "follows"}},

@@ -2,6 +2,7 @@
 
 #include "solver/base/dense_algebra.hpp"
 #include "solver/base/parallel.hpp"
+#include "solver/explicit/kernel/mean_volume.hpp"
 #include "solver/explicit/laws/law_access.hpp"
 #include "solver/output/surface_output.hpp"
 
@@ -82,6 +83,27 @@ std::vector<double> deformation_gradients(const SolutionSpace& space, const Eige
     }
   });
   return F;
+}
+
+// F-bar: what F of each quadrature point is scaled by for the law, as MeanVolumeLanes does it.
+std::vector<double> mean_volume_scales(const SolutionSpace& space, const Eigen::VectorXd& u) {
+  const TrimmedModel& model = space.model();
+  std::vector<double> scales = deformation_gradients(space, u);
+  for (std::size_t q = 0; q < scales.size() / 9; ++q)
+    scales[q] = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(&scales[9 * q]).determinant();
+  scales.resize(scales.size() / 9);
+  for (std::int64_t a = 0; a < space.num_cells(); ++a) {
+    const auto parameters = cell_parameters(model, a);
+    const auto first = static_cast<std::size_t>((parameters.data() - model.points.parameters.data()) / 3);
+    const std::span J(scales.data() + first, parameters.size() / 3);
+    double volume = 0, theta = 0;
+    for (std::size_t q = 0; q < J.size(); ++q) {
+      volume += model.points.weights[first + q];
+      theta += model.points.weights[first + q] * J[q];
+    }
+    for (double& x : J) x = volume > 0 ? MeanVolumeLanes::scale(theta / volume, x) : 1;
+  }
+  return scales;
 }
 
 } // namespace
@@ -178,6 +200,13 @@ std::vector<double> FieldSampler::carried(const std::vector<double>& at_points) 
   for (Eigen::Index v = 0; v < rows_.rows(); ++v)
     at_vertices[static_cast<std::size_t>(v)] = bottom[v] > 0 ? top[v] / bottom[v] : 0;
   return at_vertices;
+}
+
+BodyFields FieldSampler::sample(const ExplicitBody& body, bool points) const {
+  const Eigen::VectorXd u = body.full_displacement();
+  const InternalForces& forces = body.forces();
+  return sample(u, forces.save(), forces.plan().point, points,
+                forces.sees_mean_volume() ? mean_volume_scales(space_, u) : std::vector<double>{});
 }
 
 BodyFields FieldSampler::sample(const Eigen::VectorXd& u, const PointHistory& history,

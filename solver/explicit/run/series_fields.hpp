@@ -25,9 +25,7 @@ class FieldSampler {
   BodyFields sample(const Eigen::VectorXd& u, const PointHistory& history, std::span<const std::int64_t> point,
                     bool points, std::span<const double> scales = {}) const;
   /// The same of an explicit body's present state.
-  BodyFields sample(const ExplicitBody& body, bool points) const {
-    return sample(body.full_displacement(), body.forces().save(), body.forces().plan().point, points);
-  }
+  BodyFields sample(const ExplicitBody& body, bool points) const;
 
  private:
   struct PointSamples {

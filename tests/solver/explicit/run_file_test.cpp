@@ -168,6 +168,15 @@ TEST_F(RunFile, SaysWhatIsWanted) {
   EXPECT_EQ(run.inputs.size(), 3u); // two models, a curve
 }
 
+TEST_F(RunFile, LockingOfABody) {
+  EXPECT_FALSE(read(good).bodies[0].body.kernel.mean_volume);
+  for (const bool fbar : {false, true}) {
+    std::string text = good;
+    text.replace(text.find("edge_length = 0.5"), 17, fbar ? "locking = \"fbar\"" : "locking = \"none\"");
+    EXPECT_EQ(read(text).bodies[0].body.kernel.mean_volume, fbar);
+  }
+}
+
 TEST_F(RunFile, PlacesBodies) {
   std::string text = good;
   const std::string old = "edge_length = 0.5";
@@ -200,6 +209,8 @@ TEST_F(RunFile, WrongSettingsAreRefusedWithTheirPlace) {
       {"rho = 2 }", "roh = 2 }", {"run.toml:10:", "unknown key 'roh'", "did you mean 'rho'"}},
       {"damping = 0.1\nvel", "damping = -1\nvel", {"run.toml:7:", "found -1"}},
       {"\"two-pass\"", "\"twopass\"", {"run.toml:5:", "did you mean two-pass?"}},
+      {"damping = 0.1\nvel", "locking = \"fba\"\nvel", {"run.toml:7:", "did you mean fbar?"}},
+      {"model = \"pin.h5\"", "model = \"pin.h5\"\nlocking = \"fbar\"", {"run.toml:14:", "take neo-hookean"}},
       {"name = \"pin\"", "name = \"cube\"", {"run.toml:12:", "another body 'cube'"}},
       {"name = \"ball\"", "name = \"cube\"", {"run.toml:16:", "another body 'cube'"}},
       {"name = \"ball\"", "name = \"a/b\"", {"run.toml:16:", "without slashes"}},

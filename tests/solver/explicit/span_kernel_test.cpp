@@ -2,6 +2,7 @@
 #include "solver/explicit/kernel/internal_forces.hpp"
 
 #include "solver/mechanics/assemble.hpp"
+#include "solver/nonlinear/finite_body.hpp"
 #include "tests/support/synthetic_model.hpp"
 
 #include <Eigen/Geometry>
@@ -234,6 +235,37 @@ TEST_P(SpanKernels, FictitiousMaterialOfThinPartsIsCounted) {
   EXPECT_LT((gather(space, forces_of(*kernel, space.expand(u))) - expected).norm(), 1e-13 * expected.norm());
   EXPECT_GT(kernel->plan().num_points, static_cast<std::int64_t>(model.points.weights.size()));
   EXPECT_GT(share, 0);
+}
+
+// Two programs for one method: eight points at a time here, matrices of a cell there.
+TEST_P(SpanKernels, FBarGivesTheForcesOfStatics) {
+  const TrimmedModel model = test::make_box_model(a_box(GetParam(), test::some_rotation(0.7)));
+  const SolutionSpace space(model, {});
+  const Law law = neo_hookean(young, poisson, density);
+  const auto kernel = make_internal_forces(space, law, {.mean_volume = true});
+  const FiniteBody body(space, law, std::make_shared<const Connectivity>(space), Locking::FBar);
+  const VectorXd u = some_vector(space.num_unknowns(), 0.02);
+  VectorXd expected = VectorXd::Zero(u.size());
+  const PointsReport report = body.add_forces(u, expected);
+  ASSERT_GT(report.min_J, 0.5);
+  const VectorXd f = forces_of(*kernel, u);
+  EXPECT_LT((f - expected).norm(), 1e-12 * expected.norm());
+  const VectorXd plain = forces_of(*make_internal_forces(space, law), u);
+  EXPECT_GT((f - plain).norm(), 1e-3 * expected.norm());
+  VectorXd again(u.size());
+  EXPECT_NEAR(kernel->evaluate(u.data(), 0, again.data()).min_J, report.min_J, 1e-12);
+}
+
+TEST_P(SpanKernels, FBarLeavesHomogeneousDeformationAlone) {
+  const TrimmedModel model = test::make_box_model(a_box(GetParam(), test::some_rotation(0.7)));
+  Matrix3d G;
+  G << 0.1, 0.3, -0.2, -0.1, -0.3, 0.05, 0.2, 0.1, 0.2;
+  const SolutionSpace space(model, {LightFunctions::Linear, 0.05});
+  const Law law = neo_hookean(young, poisson, density);
+  const VectorXd u = space.expand(linear_field(space, G, {1, 2, 3}));
+  const VectorXd expected = forces_of(*make_internal_forces(space, law), u);
+  const VectorXd f = forces_of(*make_internal_forces(space, law, {.mean_volume = true}), u);
+  EXPECT_LT((f - expected).norm(), 1e-13 * expected.norm());
 }
 
 INSTANTIATE_TEST_SUITE_P(Degrees, SpanKernels,
