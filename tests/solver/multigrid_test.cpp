@@ -306,7 +306,7 @@ TEST(MultigridStatics, SayWhatTheyCannotTreat) {
   EXPECT_THROW(run_static(bent(SupportMethod::Lagrange, SolverKind::Multigrid), pulled(), space), InputError);
   const StaticSolution small = run_static(bent(SupportMethod::Nitsche, SolverKind::Auto), pulled(), space);
   EXPECT_FALSE(small.solver.multigrid);
-  EXPECT_EQ(small.solver.reason, "fewer than 100000 unknowns");
+  EXPECT_EQ(small.solver.reason, "fewer than " + std::to_string(multigrid_from) + " unknowns");
   EXPECT_THROW(solver_kind("amg"), InputError);
 }
 
