@@ -214,6 +214,14 @@ def need_support(run):
         )
 
 
+def refuse_gap_ends(model, runs):
+    if "/unknowns/offsets" in model.data:
+        raise RunError(
+            f"{model.path}: gaps end inside the part; igasolve glues their ends in {runs} runs, so the two would not be the "
+            "same model: make it with igaprep --gap-ends glued"
+        )
+
+
 def static(body, run):
     """Fields of write_results()."""
     need_support(run)
@@ -244,11 +252,7 @@ def modes(body, run):
 def nonlinear(body, run, say=print):
     """Fields of write_results() at the full load: Newton's method over equal load steps on the total Lagrangian elements."""
     need_support(run)
-    if "/unknowns/offsets" in body.model.data:
-        raise RunError(
-            f"{body.model.path}: gaps end inside the part; igasolve glues their ends in nonlinear runs, so the two would not be the "
-            "same model: make it with igaprep --gap-ends glued"
-        )
+    refuse_gap_ends(body.model, "nonlinear")
     system = System(body, run)
     body.start()
     system.gather()
